@@ -1,0 +1,54 @@
+//! The ground under a chunk as a triangulated grid of heights.
+
+use crate::space::Origin;
+use crate::terrain::{Terrain, TerrainSample};
+use glam::DVec2;
+
+/// Distance between ground vertices, in metres.
+pub const GROUND_STEP: f64 = 8.0;
+
+/// Terrain at the vertices of a square grid. Each grid square is two triangles, split from its south-west to its
+/// north-east corner; the surface of these triangles is the ground that is drawn, walked on and built on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// Squares along an edge.
+    pub cells: usize,
+    /// Terrain at (column, row) in element `row * (cells + 1) + column`, from the south-west corner.
+    pub samples: Vec<TerrainSample>,
+}
+
+impl Ground {
+    /// The ground of the square of `size` metres (a multiple of [`GROUND_STEP`]) north-east of `origin`.
+    pub fn new(terrain: &dyn Terrain, origin: Origin, size: i64) -> Self {
+        let cells = (size as f64 / GROUND_STEP) as usize;
+        let at =
+            |i: usize| origin.to_plan(DVec2::new((i % (cells + 1)) as f64, (i / (cells + 1)) as f64) * GROUND_STEP);
+        Self { cells, samples: (0..(cells + 1) * (cells + 1)).map(|i| terrain.sample(at(i))).collect() }
+    }
+
+    /// The vertex at a column and row, 0 to `cells`.
+    pub fn vertex(&self, column: usize, row: usize) -> &TerrainSample {
+        &self.samples[row * (self.cells + 1) + column]
+    }
+
+    /// Height of the drawn ground at a local point; points outside the square are moved to its border.
+    pub fn height(&self, local: DVec2) -> f64 {
+        let p = (local / GROUND_STEP).clamp(DVec2::ZERO, DVec2::splat(self.cells as f64));
+        let cell = p.floor().min(DVec2::splat(self.cells as f64 - 1.0));
+        let (column, row, f) = (cell.x as usize, cell.y as usize, p - cell);
+        let h = |dx, dy| self.vertex(column + dx, row + dy).height;
+        interpolate([h(0, 0), h(1, 0), h(0, 1), h(1, 1)], f)
+    }
+
+    /// Height of the drawn ground at any plan point, without a chunk at hand.
+    pub fn height_at(terrain: &dyn Terrain, p: DVec2) -> f64 {
+        let cell = (p / GROUND_STEP).floor();
+        let h = |dx: f64, dy: f64| terrain.height((cell + DVec2::new(dx, dy)) * GROUND_STEP);
+        interpolate([h(0.0, 0.0), h(1.0, 0.0), h(0.0, 1.0), h(1.0, 1.0)], p / GROUND_STEP - cell)
+    }
+}
+
+/// Height in a grid square at `f` (0..=1 each way) from its corners SW, SE, NW, NE.
+fn interpolate([sw, se, nw, ne]: [f64; 4], f: DVec2) -> f64 {
+    if f.x >= f.y { sw + (se - sw) * f.x + (ne - se) * f.y } else { sw + (nw - sw) * f.y + (ne - nw) * f.x }
+}

@@ -1,0 +1,52 @@
+//! Layer 8: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; padding 0 for
+//! roads and terrain, the largest settlement radius for towns.
+//!
+//! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
+//! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut.
+
+mod ground;
+
+pub use ground::{GROUND_STEP, Ground};
+
+use crate::network::{Junction, Street};
+use crate::parcel::{Block, Footprint, Lot};
+use crate::region::Settlement;
+use crate::space::{ChunkCoord, Origin};
+use crate::streets::MadeBy;
+use std::sync::Arc;
+
+/// A street with what made it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedStreet {
+    /// The street.
+    pub street: Street,
+    /// What made it; `None` for roads and main streets.
+    pub made_by: Option<MadeBy>,
+}
+
+/// What a chunk owns. Positions are local to `origin`.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    /// Name of the chunk.
+    pub coord: ChunkCoord,
+    /// Its south-west corner.
+    pub origin: Origin,
+    /// Length of its edge in metres.
+    pub size: i64,
+    /// Height of the ground on a grid over the square.
+    pub ground: Ground,
+    /// Junctions that lie in it, sorted by id.
+    pub junctions: Vec<Junction>,
+    /// Streets whose midpoint lies in it, sorted by id. Their ends may lie in other chunks: join by id.
+    pub streets: Vec<PlacedStreet>,
+    /// Blocks of the main cells it owns.
+    pub blocks: Vec<Block>,
+    /// Lots of the main cells it owns.
+    pub lots: Vec<Lot>,
+    /// Buildings of the main cells it owns.
+    pub footprints: Vec<Footprint>,
+    /// Settlements whose outline overlaps its square, sorted by id.
+    pub settlements: Vec<Arc<Settlement>>,
+    /// Number of unmet ports in the main cells it owns; 0 unless a filler has a defect.
+    pub unmet_ports: usize,
+}

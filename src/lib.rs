@@ -1,0 +1,15 @@
+//! Endless streamed worlds of towns.
+
+pub mod chunk;
+pub mod layer;
+pub mod mesh;
+pub mod network;
+pub mod parcel;
+pub mod patch;
+pub mod region;
+pub mod seam;
+pub mod space;
+pub mod streets;
+pub mod terrain;
+pub mod town;
+pub mod world;

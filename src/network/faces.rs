@@ -1,0 +1,96 @@
+//! Faces of a planar graph, by walking half-edges.
+
+use crate::network::{EdgeIx, PlanarGraph, VertexIx};
+use crate::space::{math::angle_of, signed_area};
+use glam::DVec2;
+
+/// An edge with a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HalfEdge {
+    /// The edge.
+    pub edge: EdgeIx,
+    /// Whether it runs from the edge's `a` to its `b`.
+    pub forward: bool,
+}
+
+/// A face: the closed walk around it, with the face on the left. A dangling edge is walked on both sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Half-edges in walking order.
+    pub walk: Vec<HalfEdge>,
+    /// First vertex of each half-edge of `walk`.
+    pub vertices: Vec<VertexIx>,
+    /// Positions of `vertices`; counter-clockwise for inner faces.
+    pub polygon: Vec<DVec2>,
+}
+
+impl Face {
+    /// Area in square metres; negative for the outer face of a component.
+    pub fn area(&self) -> f64 {
+        signed_area(&self.polygon)
+    }
+}
+
+impl<E: Clone> PlanarGraph<E> {
+    /// All faces, outer ones (negative area) included, ordered by their lowest half-edge.
+    pub fn faces(&self) -> Vec<Face> {
+        // Half-edge 2e runs a to b, 2e + 1 back.
+        let slots = self.edges().map(|(e, _)| e as usize + 1).max().unwrap_or(0) * 2;
+        let mut next = vec![usize::MAX; slots];
+        let mut order: Vec<(f64, usize, usize)> = Vec::new();
+        for v in self.vertices() {
+            order.clear();
+            for &e in self.edges_at(v) {
+                let edge = self.edge(e);
+                let out = 2 * e as usize + usize::from(edge.a != v);
+                order.push((angle_of(self.at(edge.other(v)) - self.at(v)), out, out ^ 1));
+            }
+            order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+            // Coming in along a half-edge, the face on the left goes on along the next one clockwise.
+            for i in 0..order.len() {
+                next[order[(i + 1) % order.len()].2] = order[i].1;
+            }
+        }
+        let mut seen = vec![false; slots];
+        let mut faces = Vec::new();
+        for start in 0..slots {
+            if seen[start] || next[start] == usize::MAX {
+                continue;
+            }
+            let mut face = Face { walk: Vec::new(), vertices: Vec::new(), polygon: Vec::new() };
+            let mut h = start;
+            while !seen[h] {
+                seen[h] = true;
+                let edge = self.edge((h / 2) as EdgeIx);
+                let forward = h % 2 == 0;
+                let v = if forward { edge.a } else { edge.b };
+                face.walk.push(HalfEdge { edge: (h / 2) as EdgeIx, forward });
+                face.vertices.push(v);
+                face.polygon.push(self.at(v));
+                h = next[h];
+            }
+            faces.push(face);
+        }
+        faces
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_squares_and_a_dangling_edge() {
+        let mut g = PlanarGraph::new();
+        let at = [(0., 0.), (1., 0.), (2., 0.), (2., 1.), (1., 1.), (0., 1.), (0.5, 0.5)];
+        let v = at.map(|(x, y)| g.add_vertex(DVec2::new(x, y)));
+        for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0), (1, 4), (0, 6)] {
+            g.add_edge(v[a], v[b], ());
+        }
+        let faces = g.faces();
+        let mut areas: Vec<_> = faces.iter().map(Face::area).collect();
+        areas.sort_by(f64::total_cmp);
+        assert_eq!(areas, [-2.0, 1.0, 1.0]);
+        assert!(faces.iter().any(|f| f.walk.len() == 6 && f.area() == 1.0), "the dangling edge is walked twice");
+    }
+}

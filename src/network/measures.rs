@@ -1,0 +1,112 @@
+//! Figures that describe a street network, as urban analysts and the papers measure it.
+
+use crate::network::{JunctionId, Network};
+use crate::space::math::{angle_between, angle_of, ln};
+use glam::DVec2;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Figures of a network. Ends with degree 1 are dead ends; junctions have degree 3 or more.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Measures {
+    /// Total length of streets, in kilometres.
+    pub street_km: f64,
+    /// Vertices of degree 3 or more.
+    pub junctions: usize,
+    /// Vertices of degree 1.
+    pub dead_ends: usize,
+    /// Vertices by degree.
+    pub degree: BTreeMap<usize, usize>,
+    /// Connected node ratio: junctions / (junctions + dead ends) (Teng 2017, equation 2, after Dill 2004).
+    pub cnr: f64,
+    /// Mean length of the streets between vertices whose degree is not 2, in metres.
+    pub mean_street_m: f64,
+    /// Boeing's orientation order phi: 1 for one perfect grid, 0 for no order (36 bins, streets weighted by 1).
+    pub orientation_order: f64,
+    /// Total length over total straight distance between street ends, at least 1.
+    pub circuity: f64,
+    /// Share of junctions whose smallest angle is below 30 degrees.
+    pub share_angle_below_30: f64,
+    /// Connected components.
+    pub components: usize,
+}
+
+/// Measures a network.
+pub fn measure(network: &Network) -> Measures {
+    let ends: BTreeMap<JunctionId, usize> = network.junctions.iter().enumerate().map(|(i, j)| (j.id, i)).collect();
+    let mut leaving: Vec<Vec<DVec2>> = vec![Vec::new(); network.junctions.len()];
+    let mut parent: Vec<usize> = (0..network.junctions.len()).collect();
+    let mut touched = vec![false; network.junctions.len()];
+    let (mut length, mut straight, mut inflexions) = (0.0, 0.0, 0usize);
+    let mut bins = [0usize; 36];
+    for street in &network.streets {
+        let (line, n) = (&street.line, street.line.len());
+        let beeline = line[n - 1] - line[0];
+        length += street.length();
+        straight += beeline.length();
+        for direction in [beeline, -beeline] {
+            let turns = (angle_of(direction) / TAU * 36.0 + 36.5).floor() as usize;
+            bins[turns % 36] += 1;
+        }
+        let (Some(&from), Some(&to)) = (ends.get(&street.from), ends.get(&street.to)) else { continue };
+        leaving[from].push(line[1] - line[0]);
+        leaving[to].push(line[n - 2] - line[n - 1]);
+        (touched[from], touched[to]) = (true, true);
+        let (a, b) = (root(&mut parent, from), root(&mut parent, to));
+        parent[a] = b;
+    }
+    let mut out = Measures { street_km: length / 1000.0, ..Default::default() };
+    let mut sharp = 0;
+    for around in leaving.iter().filter(|l| !l.is_empty()) {
+        *out.degree.entry(around.len()).or_default() += 1;
+        inflexions += usize::from(around.len() == 2);
+        if around.len() >= 3 {
+            let pairs = || around.iter().enumerate().flat_map(|(i, a)| around[i + 1..].iter().map(move |b| (a, b)));
+            sharp += usize::from(pairs().any(|(a, b)| angle_between(*a, *b) < 30f64.to_radians()));
+        }
+    }
+    out.dead_ends = out.degree.get(&1).copied().unwrap_or(0);
+    out.junctions = out.degree.range(3..).map(|(_, n)| n).sum();
+    out.cnr = out.junctions as f64 / (out.junctions + out.dead_ends).max(1) as f64;
+    out.mean_street_m = length / network.streets.len().saturating_sub(inflexions).max(1) as f64;
+    out.circuity = if straight > 0.0 { length / straight } else { 1.0 };
+    out.share_angle_below_30 = sharp as f64 / out.junctions.max(1) as f64;
+    let total = bins.iter().sum::<usize>() as f64;
+    if total > 0.0 {
+        let entropy: f64 = bins.iter().filter(|n| **n > 0).map(|n| *n as f64 / total).map(|p| -p * ln(p)).sum();
+        let (grid, most) = (ln(4.0), ln(36.0));
+        let spread = (entropy - grid) / (most - grid);
+        out.orientation_order = 1.0 - spread * spread;
+    }
+    out.components = (0..parent.len()).filter(|i| touched[*i] && root(&mut parent, *i) == *i).count();
+    out
+}
+
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{Junction, Street, StreetClass, StreetId};
+
+    #[test]
+    fn a_cross_of_four_streets() {
+        let id = |i: u64| JunctionId(i);
+        let at = [DVec2::ZERO, DVec2::X * 100.0, DVec2::Y * 100.0, DVec2::X * -100.0, DVec2::Y * -100.0];
+        let junctions = at.iter().enumerate().map(|(i, p)| Junction { id: id(i as u64), at: *p }).collect();
+        let streets = (1..5)
+            .map(|i| Street::new(StreetId(i), StreetClass::Local, id(0), id(i), vec![at[0], at[i as usize]]))
+            .collect();
+        let m = measure(&Network { junctions, streets });
+        assert_eq!((m.junctions, m.dead_ends, m.components), (1, 4, 1));
+        assert_eq!((m.cnr, m.street_km, m.mean_street_m, m.circuity), (0.2, 0.4, 100.0, 1.0));
+        assert!((m.orientation_order - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,14 @@
+//! The planar street network: junctions and streets with stable ids, the planar graph they are grown in (connect,
+//! clip, faces), and measures of the result.
+//!
+//! Part of the ground floor: knows no layer.
+
+mod faces;
+mod measures;
+mod planar;
+mod street;
+
+pub use faces::{Face, HalfEdge};
+pub use measures::{Measures, measure};
+pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
+pub use street::{Junction, JunctionId, Network, Street, StreetClass, StreetId};

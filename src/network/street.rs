@@ -1,0 +1,159 @@
+//! Junctions, streets and their classes.
+
+use crate::space::{Bounds, line_length, stable_hash};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// Stable name of a junction: a hash of what made it, the same in every run and in every chunk that sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct JunctionId(pub u64);
+
+/// Stable name of a street: a hash of what made it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct StreetId(pub u64);
+
+impl JunctionId {
+    /// The id of the thing that `words` describe.
+    pub fn of(words: &[u64]) -> Self {
+        Self(stable_hash(words))
+    }
+}
+
+impl StreetId {
+    /// The id of the thing that `words` describe.
+    pub fn of(words: &[u64]) -> Self {
+        Self(stable_hash(words))
+    }
+}
+
+/// Class of a street, from the widest down: three of roads between settlements, two of main streets, and local.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum StreetClass {
+    /// Road between cities (tau = 2).
+    Highway,
+    /// Road between a town and a town or city (tau = 1).
+    Major,
+    /// Road to a village (tau = 0).
+    Minor,
+    /// Main street that runs through a town.
+    Arterial,
+    /// Any other main street.
+    Main,
+    /// Street inside a main cell.
+    Local,
+}
+
+impl StreetClass {
+    /// Every class, widest first.
+    pub const ALL: [Self; 6] = [Self::Highway, Self::Major, Self::Minor, Self::Arterial, Self::Main, Self::Local];
+
+    /// Width of the carriageway, in metres.
+    pub fn carriageway(self) -> f64 {
+        match self {
+            Self::Highway => 15.0,
+            Self::Major => 9.5,
+            Self::Minor => 6.5,
+            Self::Arterial => 12.0,
+            Self::Main => 9.0,
+            Self::Local => 6.0,
+        }
+    }
+
+    /// Width of the pavement on each side, in metres.
+    pub fn pavement(self) -> f64 {
+        match self {
+            Self::Highway | Self::Major | Self::Minor => 0.0,
+            Self::Arterial => 3.5,
+            Self::Main => 3.0,
+            Self::Local => 2.0,
+        }
+    }
+
+    /// Half of the width from the outer edge of one pavement to that of the other, in metres.
+    pub fn half_width(self) -> f64 {
+        self.carriageway() / 2.0 + self.pavement()
+    }
+
+    /// Whether this is a road between settlements.
+    pub fn is_road(self) -> bool {
+        matches!(self, Self::Highway | Self::Major | Self::Minor)
+    }
+
+    /// Whether this is a main street of a town.
+    pub fn is_main(self) -> bool {
+        matches!(self, Self::Arterial | Self::Main)
+    }
+
+    /// Lower-case name, as in exported files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Highway => "highway",
+            Self::Major => "major",
+            Self::Minor => "minor",
+            Self::Arterial => "arterial",
+            Self::Main => "main",
+            Self::Local => "local",
+        }
+    }
+}
+
+/// A vertex of the street network: where streets meet or end.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Junction {
+    /// Stable name.
+    pub id: JunctionId,
+    /// Local position in metres, on the [`QUANTUM`](crate::space::QUANTUM) grid.
+    pub at: DVec2,
+}
+
+/// An edge of the street network, between two junctions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Street {
+    /// Stable name.
+    pub id: StreetId,
+    /// Class, which sets the widths.
+    pub class: StreetClass,
+    /// Junction at the first point of `line`.
+    pub from: JunctionId,
+    /// Junction at the last point of `line`.
+    pub to: JunctionId,
+    /// Centre line: two local points or more, on the quantum grid, first and last those of the junctions.
+    pub line: Vec<DVec2>,
+    /// Height level: 0 on the ground; streets of different levels cross without meeting.
+    pub level: i8,
+    /// Whether it is carried over water or another street.
+    pub bridge: bool,
+    /// Whether it runs under the ground.
+    pub tunnel: bool,
+}
+
+impl Street {
+    /// A street on the ground.
+    pub fn new(id: StreetId, class: StreetClass, from: JunctionId, to: JunctionId, line: Vec<DVec2>) -> Self {
+        Self { id, class, from, to, line, level: 0, bridge: false, tunnel: false }
+    }
+
+    /// Length of the centre line in metres.
+    pub fn length(&self) -> f64 {
+        line_length(&self.line)
+    }
+
+    /// Box around the centre line.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(self.line.iter().copied())
+    }
+
+    /// The same street with every point moved by `offset` (whole metres, so that nothing is lost).
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { line: self.line.iter().map(|p| *p + offset).collect(), ..self.clone() }
+    }
+}
+
+/// Junctions and streets in one local frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Network {
+    /// Junctions; each id once.
+    pub junctions: Vec<Junction>,
+    /// Streets; each id once, both ends among `junctions`.
+    pub streets: Vec<Street>,
+}

@@ -1,0 +1,89 @@
+//! Patches, patterns and patch sets.
+use crate::layer::FileError;
+use glam::DVec2;
+use std::collections::BTreeSet;
+
+/// A vertex of a patch at which the network may go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connectable {
+    /// Index into [`Patch::vertices`]; a vertex of degree 1.
+    pub vertex: usize,
+    /// Unit direction in which the patch leaves this vertex, into the patch.
+    pub inward: DVec2,
+}
+
+/// Two connectable vertices and their distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Index into [`Patch::connectables`] of the first.
+    pub a: usize,
+    /// Index into [`Patch::connectables`] of the second, greater than `a`.
+    pub b: usize,
+    /// Straight distance in metres.
+    pub distance: f64,
+}
+
+/// A straight edge of a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatchEdge {
+    /// First vertex.
+    pub a: usize,
+    /// Second vertex.
+    pub b: usize,
+    /// Whether it stands for a main street (then the patch is attached to one there and the edge itself is not built).
+    pub main: bool,
+}
+
+/// A small example street graph with tags. Lengths are metres; vertices of degree 2 are points of inflexion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// Name, unique in its set.
+    pub name: String,
+    /// Positions of the vertices, relative to the centre of the bounding circle.
+    pub vertices: Vec<DVec2>,
+    /// Edges.
+    pub edges: Vec<PatchEdge>,
+    /// Tags, found from the geometry (Teng 2017, Table 1) and added by the user. Lower case, words joined by `-`.
+    pub tags: BTreeSet<String>,
+    /// Weight in choices, 0 or more; 1 when the file does not say.
+    pub weight: f64,
+    /// How often the patch may be used in a main cell at most.
+    pub at_most: Option<u32>,
+    /// Connectable vertices.
+    pub connectables: Vec<Connectable>,
+    /// Pairs of connectable vertices, sorted by distance.
+    pub pairs: Vec<Pair>,
+    /// Radius of the bounding circle around (0, 0).
+    pub radius: f64,
+}
+
+/// A patch repeated along a street.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pattern {
+    /// Name, unique in its set.
+    pub name: String,
+    /// Name of the patch that is repeated, in the same set.
+    pub element: String,
+    /// Least and greatest scale of the element.
+    pub scale: (f64, f64),
+    /// Least and greatest number of elements.
+    pub repeat: (u32, u32),
+}
+
+/// A file of patches and patterns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchSet {
+    /// Name: the file's, without folders and extension.
+    pub name: String,
+    /// Patches, at least one.
+    pub patches: Vec<Patch>,
+    /// Patterns.
+    pub patterns: Vec<Pattern>,
+}
+
+impl PatchSet {
+    /// Reads a patch set from RON text; `file` is only named in errors.
+    pub fn from_ron(_file: &str, _text: &str) -> Result<Self, FileError> {
+        todo!()
+    }
+}

@@ -1,0 +1,69 @@
+//! Transcendental functions that give the same bits on every platform (through `libm`), and rotations built on them.
+
+use glam::DVec2;
+
+/// Sine of `angle`, in radians.
+pub fn sin(angle: f64) -> f64 {
+    libm::sin(angle)
+}
+
+/// Cosine of `angle`, in radians.
+pub fn cos(angle: f64) -> f64 {
+    libm::cos(angle)
+}
+
+/// Arc cosine in radians; the argument is clamped to -1..=1.
+pub fn acos(x: f64) -> f64 {
+    libm::acos(x.clamp(-1.0, 1.0))
+}
+
+/// `x` to the power `y`.
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
+/// e to the power `x`.
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// Natural logarithm.
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// Unit vector at `angle` radians from east, counter-clockwise.
+pub fn direction(angle: f64) -> DVec2 {
+    DVec2::new(cos(angle), sin(angle))
+}
+
+/// Angle of `v` from east in radians, -pi..=pi.
+pub fn angle_of(v: DVec2) -> f64 {
+    libm::atan2(v.y, v.x)
+}
+
+/// `v` turned counter-clockwise by `angle` radians.
+pub fn rotate(v: DVec2, angle: f64) -> DVec2 {
+    direction(angle).rotate(v)
+}
+
+/// Unsigned angle between two directions, 0..=pi.
+pub fn angle_between(a: DVec2, b: DVec2) -> f64 {
+    libm::fabs(libm::atan2(a.perp_dot(b), a.dot(b)))
+}
+
+/// Signed angle from `a` to `b`, counter-clockwise positive, -pi..=pi.
+pub fn turn(a: DVec2, b: DVec2) -> f64 {
+    libm::atan2(a.perp_dot(b), a.dot(b))
+}
+
+/// Hermite step: 0 at and below `low`, 1 at and above `high`.
+pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// `a` at 0, `b` at 1.
+pub fn mix(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
+}

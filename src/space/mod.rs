@@ -1,0 +1,23 @@
+//! Coordinates, seeds and random streams, deterministic math, boxes and polylines.
+//!
+//! The ground floor: knows no layer. Plan axes are x east, y north, in metres; angles are radians, counter-clockwise
+//! from east.
+
+mod bounds;
+mod coord;
+mod geometry;
+pub mod math;
+mod polyline;
+mod seed;
+
+pub use bounds::Bounds;
+pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize};
+pub use geometry::{
+    SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,
+    segment_distance,
+};
+pub use polyline::{
+    centroid, closest_on_line, cut_line, distance_to_line, line_length, point_at, point_in_polygon, polygon_distance,
+    resample, segments, signed_area,
+};
+pub use seed::{Seed, Stream, stable_hash};

@@ -1,0 +1,145 @@
+//! Polylines and simple polygons as slices of points. A polygon is open (its last point is not its first); one with
+//! positive area runs counter-clockwise.
+
+use crate::space::{closest_on_segment, segment_distance};
+use glam::DVec2;
+
+/// The segments of a polyline, in order.
+pub fn segments(line: &[DVec2]) -> impl DoubleEndedIterator<Item = (DVec2, DVec2)> + Clone + '_ {
+    line.windows(2).map(|w| (w[0], w[1]))
+}
+
+/// Length of a polyline in metres.
+pub fn line_length(line: &[DVec2]) -> f64 {
+    segments(line).map(|(a, b)| a.distance(b)).sum()
+}
+
+/// Position and unit direction at `at` metres along a polyline, clamped to its ends.
+///
+/// The direction is zero for a line without length.
+pub fn point_at(line: &[DVec2], at: f64) -> (DVec2, DVec2) {
+    let mut left = at;
+    let mut last = (line.first().copied().unwrap_or_default(), DVec2::ZERO);
+    for (a, b) in segments(line) {
+        let length = a.distance(b);
+        if length == 0.0 {
+            continue;
+        }
+        let direction = (b - a) / length;
+        if left <= length {
+            return (a + direction * left.max(0.0), direction);
+        }
+        left -= length;
+        last = (b, direction);
+    }
+    last
+}
+
+/// The part of a polyline between `from` and `to` metres along it (`from < to`), both clamped to its length.
+pub fn cut_line(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
+    let mut out = vec![point_at(line, from).0];
+    let mut along = 0.0;
+    for (a, b) in segments(line) {
+        along += a.distance(b);
+        if along > from && along < to && b != out[out.len() - 1] {
+            out.push(b);
+        }
+    }
+    let end = point_at(line, to).0;
+    if end != out[out.len() - 1] {
+        out.push(end);
+    }
+    out
+}
+
+/// The polyline with points at most `step` metres apart, its own points kept.
+pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = line.first().copied().into_iter().collect();
+    for (a, b) in segments(line) {
+        let parts = (a.distance(b) / step).ceil().max(1.0) as usize;
+        out.extend((1..=parts).map(|i| if i == parts { b } else { a.lerp(b, i as f64 / parts as f64) }));
+    }
+    out
+}
+
+/// Metres along `line` and position of its point nearest to `p`.
+pub fn closest_on_line(p: DVec2, line: &[DVec2]) -> (f64, DVec2) {
+    let mut along = 0.0;
+    let mut best = (0.0, line.first().copied().unwrap_or_default());
+    let mut best_d = f64::INFINITY;
+    for (a, b) in segments(line) {
+        let (t, q) = closest_on_segment(p, a, b);
+        let d = q.distance_squared(p);
+        if d < best_d {
+            (best_d, best) = (d, (along + t * a.distance(b), q));
+        }
+        along += a.distance(b);
+    }
+    best
+}
+
+/// Distance from `p` to a polyline.
+pub fn distance_to_line(p: DVec2, line: &[DVec2]) -> f64 {
+    closest_on_line(p, line).1.distance(p)
+}
+
+/// Edges of a polygon, the closing one last.
+fn polygon_edges(polygon: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]))
+}
+
+/// Area of a polygon, positive when counter-clockwise.
+pub fn signed_area(polygon: &[DVec2]) -> f64 {
+    let Some(&o) = polygon.first() else { return 0.0 };
+    polygon_edges(polygon).map(|(a, b)| (a - o).perp_dot(b - o)).sum::<f64>() / 2.0
+}
+
+/// Centre of mass of a polygon; the mean of its points when it has no area.
+pub fn centroid(polygon: &[DVec2]) -> DVec2 {
+    let Some(&o) = polygon.first() else { return DVec2::ZERO };
+    let (mut sum, mut area) = (DVec2::ZERO, 0.0);
+    for (a, b) in polygon_edges(polygon) {
+        let (a, b) = (a - o, b - o);
+        let w = a.perp_dot(b);
+        area += w;
+        sum += (a + b) * w;
+    }
+    if area == 0.0 {
+        return polygon.iter().copied().sum::<DVec2>() / polygon.len() as f64;
+    }
+    o + sum / (3.0 * area)
+}
+
+/// Whether `p` lies inside a polygon (even-odd; a point on the border may fall on either side).
+pub fn point_in_polygon(p: DVec2, polygon: &[DVec2]) -> bool {
+    let mut inside = false;
+    for (a, b) in polygon_edges(polygon) {
+        if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+/// Distance from segment `a`-`b` to the border of a polygon, 0 when they meet.
+pub fn polygon_distance(a: DVec2, b: DVec2, polygon: &[DVec2]) -> f64 {
+    polygon_edges(polygon).map(|(c, d)| segment_distance(a, b, c, d)).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_polygons() {
+        let square = [DVec2::ZERO, DVec2::X * 4.0, DVec2::splat(4.0), DVec2::Y * 4.0];
+        assert_eq!(signed_area(&square), 16.0);
+        assert_eq!(centroid(&square), DVec2::splat(2.0));
+        assert!(point_in_polygon(DVec2::splat(1.0), &square) && !point_in_polygon(DVec2::splat(5.0), &square));
+        assert_eq!(line_length(&square), 12.0);
+        assert_eq!(point_at(&square, 6.0), (DVec2::new(4.0, 2.0), DVec2::Y));
+        assert_eq!(cut_line(&square, 2.0, 6.0), vec![DVec2::new(2., 0.), DVec2::new(4., 0.), DVec2::new(4., 2.)]);
+        assert_eq!(closest_on_line(DVec2::new(5.0, 1.0), &square), (5.0, DVec2::new(4.0, 1.0)));
+        assert_eq!(resample(&square, 2.0).len(), 7);
+    }
+}

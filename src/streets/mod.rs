@@ -1,0 +1,74 @@
+//! Layer 6: local streets inside a main cell. Reads town, seams and patch sets; nothing outside the cell, so the padding
+//! is that of the town.
+
+mod semantic;
+
+pub use semantic::SemanticPatches;
+
+use crate::layer::{Cancel, LayerError};
+use crate::network::{Junction, JunctionId, Street};
+use crate::patch::PatchDatabase;
+use crate::seam::CellPort;
+use crate::space::Seed;
+use crate::town::{CellId, DirectionField, Style};
+use glam::DVec2;
+
+/// All that a [`CellFiller`] is told about a main cell. Positions are local to the town.
+pub struct CellBrief<'a> {
+    /// The world's seed.
+    pub seed: Seed,
+    /// Name of the cell, the key of its random streams.
+    pub id: CellId,
+    /// Border, counter-clockwise, as [`crate::town::MainCell::border`].
+    pub border: &'a [DVec2],
+    /// For each border edge, half the width of the main street that runs along it, `None` where there is no street.
+    pub street_half_width: &'a [Option<f64>],
+    /// Ports; each must be met.
+    pub ports: &'a [CellPort],
+    /// Preferred directions.
+    pub field: &'a DirectionField,
+    /// Style of the cell.
+    pub style: &'a Style,
+    /// Patches that the style may use.
+    pub patches: &'a PatchDatabase,
+}
+
+/// What made a local street.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MadeBy {
+    /// A patch: index into [`PatchDatabase::patches`].
+    Patch(u32),
+    /// Parametric growth.
+    Growth,
+    /// Repair: a connection that was added to mend the network.
+    Repair,
+}
+
+/// A local street.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalStreet {
+    /// The street.
+    pub street: Street,
+    /// What made it.
+    pub made_by: MadeBy,
+}
+
+/// The local streets of a main cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellStreets {
+    /// Junctions inside the cell; those of the ports are not repeated.
+    pub junctions: Vec<Junction>,
+    /// Streets between these and the ports.
+    pub streets: Vec<LocalStreet>,
+    /// Ports that no street reaches. A filler that leaves one here has a defect.
+    pub unmet: Vec<JunctionId>,
+}
+
+/// Fills a main cell with local streets: a pure function of the brief.
+///
+/// Streets stay inside the border; no two cross or touch without a junction; every street is connected to a port; every
+/// port is met; streets that do not meet keep the style's clearance (reduced to 12 m at least by snapping).
+pub trait CellFiller: Send + Sync {
+    /// Fills one cell.
+    fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError>;
+}

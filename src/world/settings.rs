@@ -1,0 +1,81 @@
+//! All settings of a world.
+
+use crate::layer::{FileError, RangeError, from_ron};
+use crate::region::{RoadSettings, SettlementSettings};
+use crate::space::CHUNK_SIZE;
+use crate::terrain::TerrainSettings;
+use serde::{Deserialize, Serialize};
+
+/// All settings of a world. Everything has a default; a RON file names only what differs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Edge of a chunk in metres: a multiple of 64.
+    pub chunk_size: i64,
+    /// The ground.
+    pub terrain: TerrainSettings,
+    /// Settlements.
+    pub settlements: SettlementSettings,
+    /// Roads.
+    pub roads: RoadSettings,
+    /// Memory.
+    pub cache: CacheSettings,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            chunk_size: CHUNK_SIZE,
+            terrain: TerrainSettings::default(),
+            settlements: SettlementSettings::default(),
+            roads: RoadSettings::default(),
+            cache: CacheSettings::default(),
+        }
+    }
+}
+
+/// Bounds of what is kept in memory, in MiB. They change speed, never the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CacheSettings {
+    /// Settlements and roads.
+    pub region_mib: f64,
+    /// Towns and their filled main cells.
+    pub town_mib: f64,
+    /// Chunks.
+    pub chunk_mib: f64,
+}
+
+impl Default for CacheSettings {
+    fn default() -> Self {
+        Self { region_mib: 64.0, town_mib: 128.0, chunk_mib: 64.0 }
+    }
+}
+
+impl Settings {
+    /// Reads and checks settings from RON text; `file` is only named in errors.
+    pub fn from_ron(file: &str, text: &str) -> Result<Self, FileError> {
+        let settings: Self = from_ron(file, text)?;
+        settings.check().map_err(|e| e.in_file(file, text))?;
+        Ok(settings)
+    }
+
+    /// Checks that every value lies in its allowed range.
+    pub fn check(&self) -> Result<(), RangeError> {
+        if self.chunk_size % 64 != 0 || !(64..=4096).contains(&self.chunk_size) {
+            return Err(RangeError {
+                field: "chunk_size".into(),
+                value: self.chunk_size.to_string(),
+                allowed: "a multiple of 64, 64 to 4096".into(),
+            });
+        }
+        self.terrain.check().map_err(|e| e.within("terrain"))?;
+        self.settlements.check().map_err(|e| e.within("settlements"))?;
+        self.roads.check().map_err(|e| e.within("roads"))?;
+        let c = &self.cache;
+        for (field, mib) in [("region_mib", c.region_mib), ("town_mib", c.town_mib), ("chunk_mib", c.chunk_mib)] {
+            RangeError::check(field, mib, 8.0, 65_536.0).map_err(|e| e.within("cache"))?;
+        }
+        Ok(())
+    }
+}
