@@ -2,10 +2,12 @@
 
 mod area;
 mod assets;
+mod audit;
 mod settings;
 
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
+pub use audit::{Fault, Finding, audit, unreached_gates};
 pub use settings::{CacheSettings, Settings};
 
 use crate::chunk::{self, Chunk, Ground, Layers, SeamedTown};
@@ -156,6 +158,12 @@ impl World {
             }
         }
         Ok(best)
+    }
+
+    /// Forgets every chunk and filled main cell; towns and roads stay. They are made again, the same, when asked for.
+    pub fn forget_chunks(&self) {
+        self.inner.chunks.clear();
+        self.inner.layers.forget_cells();
     }
 
     /// Bytes that the caches hold now: towns with streets and parcels, and chunks.
