@@ -114,6 +114,19 @@ fn cities_of_new_seeds_keep_every_promise() {
 }
 
 #[test]
+fn a_route_leads_along_streets_across_a_city() {
+    let w = world(901, &Settings::default());
+    let city =
+        w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 80_000.0), SizeClass::City).unwrap()[0].clone();
+    let (from, to) = (city.centre.plan() - 500.0, city.centre.plan() + 500.0);
+    let route = w.route(from, to, 1000.0, &Cancel::new()).unwrap().expect("a city's streets are one component");
+    assert!(route.length >= route.points[0].distance(route.points[route.points.len() - 1]));
+    assert!(route.length < 4000.0 && route.streets.len() > 3, "{route:?}");
+    let longest = route.points.windows(2).map(|p| p[0].distance(p[1])).fold(0.0, f64::max);
+    assert!(longest < 600.0, "a jump of {longest} m");
+}
+
+#[test]
 fn a_cancelled_chunk_is_an_error_and_nothing_is_kept() {
     let w = world(5, &Settings::default());
     let coord = built_up(&w, DVec2::ZERO);
