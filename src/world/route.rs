@@ -3,7 +3,7 @@
 use crate::chunk::Layers;
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{JunctionId, StreetId};
-use crate::space::{Bounds, Origin, closest_on_line, cut_line, line_length};
+use crate::space::{Bounds, Origin, closest_on_line, cut_line, line_length, point_at};
 use glam::DVec2;
 use pathfinding::directed::astar::astar;
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ impl Route {
             let s = &streets[street];
             if forward { (s.to, s.line[s.line.len() - 1]) } else { (s.from, s.line[0]) }
         };
-        let goal = origin.to_local(to);
+        let goal = point_at(&streets[end.street].line, end.along).0;
         let first = (usize::MAX, true);
         let successors = |node: &(usize, bool)| -> Vec<((usize, bool), u64)> {
             if *node == first {
