@@ -1,6 +1,8 @@
 //! Endless streamed worlds of towns.
 
 pub mod chunk;
+#[cfg(feature = "cli")]
+pub mod export;
 pub mod layer;
 pub mod mesh;
 pub mod network;
