@@ -2,10 +2,14 @@
 
 mod area;
 mod assets;
+mod audit;
+mod route;
 mod settings;
 
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
+pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use route::Route;
 pub use settings::{CacheSettings, Settings};
 
 use crate::chunk::{self, Chunk, Ground, Layers, SeamedTown};
@@ -156,6 +160,18 @@ impl World {
             }
         }
         Ok(best)
+    }
+
+    /// The shortest way along streets between two plan points, looking at streets within `margin` metres of the box around
+    /// both. `None` when no street is that near, or none leads there within the box.
+    pub fn route(&self, from: DVec2, to: DVec2, margin: f64, cancel: &Cancel) -> Result<Option<Route>, LayerError> {
+        Route::find(&self.inner.layers, from, to, margin, cancel)
+    }
+
+    /// Forgets every chunk and filled main cell; towns and roads stay. They are made again, the same, when asked for.
+    pub fn forget_chunks(&self) {
+        self.inner.chunks.clear();
+        self.inner.layers.forget_cells();
     }
 
     /// Bytes that the caches hold now: towns with streets and parcels, and chunks.

@@ -111,6 +111,12 @@ impl Layers {
         self.towns.bytes() + self.streets.bytes() + self.parcels.bytes()
     }
 
+    /// Forgets the streets and parcels of every main cell.
+    pub fn forget_cells(&self) {
+        self.streets.clear();
+        self.parcels.clear();
+    }
+
     fn kit(&self, settlement: &Settlement) -> &StyleKit {
         // `World::new` refuses settings that name a style which the assets lack.
         self.kits.get(&settlement.style).expect("a settlement's style is among the world's")
