@@ -45,6 +45,8 @@ pub enum Command {
     Settlements(SettlementsArgs),
     /// A hash per layer and chunk, to compare worlds bit for bit
     Digest(DigestArgs),
+    /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
+    Soak(SoakArgs),
     /// Check or draw patch sets
     Patches(PatchesArgs),
 }
@@ -156,6 +158,13 @@ pub enum Order {
 }
 
 #[derive(Args)]
+pub struct SoakArgs {
+    /// Seeds of the worlds, the end excluded
+    #[arg(long, value_name = "A..B", value_parser = seed_range)]
+    pub seeds: Range<u64>,
+}
+
+#[derive(Args)]
 pub struct PatchesArgs {
     #[command(subcommand)]
     pub command: PatchesCommand,
@@ -196,6 +205,17 @@ fn point(text: &str) -> Result<DVec2, String> {
 fn size(text: &str) -> Result<f64, String> {
     let size = number(text)?;
     if size > 0.0 && size <= MOST { Ok(size) } else { Err(format!("more than 0 and at most {MOST} m is allowed")) }
+}
+
+fn seed_range(text: &str) -> Result<Range<u64>, String> {
+    let (from, to) = text.split_once("..").ok_or("a range is needed, such as 0..100")?;
+    let whole = |t: &str| t.trim().parse::<u64>().map_err(|_| format!("`{t}` is no whole number"));
+    let range = whole(from)?..whole(to)?;
+    match range.end.saturating_sub(range.start) {
+        0 => Err(format!("{text} holds no seed: its end is excluded")),
+        1..=1_000_000 => Ok(range),
+        _ => Err("more than a million seeds".into()),
+    }
 }
 
 fn chunk_range(text: &str) -> Result<ChunkRange, String> {

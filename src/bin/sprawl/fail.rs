@@ -46,7 +46,9 @@ impl From<clap::Error> for Fail {
         // What is wrong comes first; tips and usage follow after an empty line.
         let first = text.split("\n\n").next().unwrap_or_default();
         let reason = match error.kind() {
-            clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => "a command is missing; see `sprawl --help`",
+            clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                "a command is missing; see `sprawl --help`"
+            }
             _ => first.strip_prefix("error: ").unwrap_or(first),
         };
         Self::input(reason)

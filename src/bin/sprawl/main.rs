@@ -1,12 +1,12 @@
 //! The command line: maps, figures, settlements and digests of a world, and checks of patch sets.
 
 mod args;
-mod crossings;
 mod digest;
 mod fail;
 mod map;
 mod patches;
 mod settlements;
+mod soak;
 mod stats;
 mod work;
 
@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Command::Stats(args) => stats::run(&cli.common, args),
         Command::Settlements(args) => settlements::run(&cli.common, args),
         Command::Digest(args) => digest::run(&cli.common, args),
+        Command::Soak(args) => soak::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
     };
     match result {

@@ -67,11 +67,8 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     } else {
         let picture = matches!(format, Format::Svg | Format::Png);
         let region = picture && (args.show == Show::Region || args.show == Show::Auto && args.size > REGION_FROM);
-        let area = if region {
-            export::region(&world, bounds, &Cancel::new())?
-        } else {
-            work::area(common, &world, bounds)?
-        };
+        let area =
+            if region { export::region(&world, bounds, &Cancel::new())? } else { work::area(common, &world, bounds)? };
         let outlines = export::outlines(&world, &area)?;
         let terrain = world.terrain().clone();
         let plan =

@@ -57,7 +57,13 @@ fn check(common: &Common, paths: &[PathBuf]) -> Result<(), Fail> {
                 let mut tags: BTreeMap<&str, usize> = BTreeMap::new();
                 set.patches.iter().flat_map(|p| &p.tags).for_each(|tag| *tags.entry(tag).or_default() += 1);
                 // Writing to a string cannot fail.
-                let _ = write!(people, "{}: {} patches, {} patterns;", path.display(), set.patches.len(), set.patterns.len());
+                let _ = write!(
+                    people,
+                    "{}: {} patches, {} patterns;",
+                    path.display(),
+                    set.patches.len(),
+                    set.patterns.len()
+                );
                 let tags: Map<_, _> = tags.into_iter().map(|(tag, n)| (tag.to_owned(), json!(n))).collect();
                 for (tag, count) in &tags {
                     let _ = write!(people, " {tag} {count}");

@@ -36,7 +36,8 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
         // Writing to a string cannot fail.
         let _ = writeln!(people, "{size:8}{:18} at {},{}  radius {:.0} m  {}", s.name, at.x, at.y, s.radius, s.style);
     }
-    let name = |id| settlements.iter().find(|s| s.id == id).map_or_else(|| format!("{:016x}", id.0), |s| s.name.clone());
+    let name =
+        |id| settlements.iter().find(|s| s.id == id).map_or_else(|| format!("{:016x}", id.0), |s| s.name.clone());
     for l in &links {
         let ends = format!("{} - {}", name(l.from), name(l.to));
         let _ = write!(people, "{:8}{ends:34} {:.1} km", l.class.name(), l.length_m / 1000.0);

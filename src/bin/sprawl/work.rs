@@ -86,8 +86,8 @@ pub fn each<T: Sync, R: Send>(
         }
         Ok(done)
     };
-    let parts: Result<Vec<Vec<(usize, R)>>, LayerError> =
-        pool(common)?.install(|| (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|_| take()).collect());
+    let parts: Result<Vec<Vec<(usize, R)>>, LayerError> = pool(common)?
+        .install(|| (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|_| take()).collect());
     bar.finish_and_clear();
     let mut all: Vec<(usize, R)> = parts?.into_iter().flatten().collect();
     all.sort_by_key(|(i, _)| *i);
@@ -109,7 +109,8 @@ pub fn area(common: &Common, world: &World, bounds: Bounds) -> Result<Area, Fail
     // Squares of 2 by 2 chunks: towns and cells are kept by the world, so that gathering the whole finds them made.
     let tiles = (bounds.size() / (2.0 * size)).ceil().max(glam::DVec2::ONE);
     let step = bounds.size() / tiles;
-    let corner = |i: usize| bounds.min + step * glam::DVec2::new((i % tiles.x as usize) as f64, (i / tiles.x as usize) as f64);
+    let corner =
+        |i: usize| bounds.min + step * glam::DVec2::new((i % tiles.x as usize) as f64, (i / tiles.x as usize) as f64);
     let tiles: Vec<Bounds> =
         (0..(tiles.x * tiles.y) as usize).map(|i| Bounds::new(corner(i), corner(i) + step)).collect();
     if tiles.len() > 1 {

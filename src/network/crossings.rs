@@ -1,7 +1,7 @@
 //! Streets of one level that meet without a junction, found by an exact sweep over all pairs of segments.
 
-use bevy_sprawl::network::{JunctionId, Street};
-use bevy_sprawl::space::{orient, segment_crossing};
+use crate::network::{JunctionId, Street};
+use crate::space::{orient, segment_crossing};
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -17,9 +17,9 @@ struct Segment {
     junctions: [Option<JunctionId>; 2],
 }
 
-/// Points where two streets of the same level, or two parts of one street, cross, touch or overlap without a junction of
-/// both there. Decided with exact predicates; a pair of streets that overlaps counts once for each point found.
-pub fn crossings_without_junction(streets: &[&Street]) -> Vec<DVec2> {
+/// Local points where two streets of the same level, or two parts of one street, cross, touch or overlap without a
+/// junction of both there. Decided with exact predicates; where streets overlap, one point for each pair of segments.
+pub fn crossings(streets: &[&Street]) -> Vec<DVec2> {
     let mut all = Vec::new();
     for (s, street) in streets.iter().enumerate() {
         let last = street.line.len().saturating_sub(2);
@@ -37,7 +37,7 @@ pub fn crossings_without_junction(streets: &[&Street]) -> Vec<DVec2> {
     let mut found = BTreeSet::new();
     for (i, a) in all.iter().enumerate() {
         let corners = AABB::from_corners(a.ends[0].to_array(), a.ends[1].to_array());
-        for other in tree.locate_in_envelope_intersecting(&corners).filter(|o| o.data > i) {
+        for other in tree.locate_in_envelope_intersecting(corners).filter(|o| o.data > i) {
             let b = &all[other.data];
             if streets[a.street].level == streets[b.street].level
                 && let Some(at) = forbidden(a, b)
@@ -73,7 +73,7 @@ fn forbidden(a: &Segment, b: &Segment) -> Option<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_sprawl::network::{StreetClass, StreetId};
+    use crate::network::{StreetClass, StreetId};
 
     fn street(id: u64, from: u64, to: u64, line: &[(f64, f64)]) -> Street {
         let line = line.iter().map(|p| DVec2::new(p.0, p.1)).collect();
@@ -81,7 +81,7 @@ mod tests {
     }
 
     fn count(streets: &[Street]) -> usize {
-        crossings_without_junction(&streets.iter().collect::<Vec<_>>()).len()
+        crossings(&streets.iter().collect::<Vec<_>>()).len()
     }
 
     #[test]
