@@ -107,6 +107,11 @@ impl Sprawl<'_, '_> {
         logged(self.world()?.route(self.to_plan(from), self.to_plan(to), 500.0, &Cancel::new())).flatten()
     }
 
+    /// The town or city (not a village) whose centre is nearest to a Bevy point, within 128 km.
+    pub fn nearest_town(&self, p: Vec3) -> Option<Arc<Settlement>> {
+        logged(nearest_town(self.world()?, self.to_plan(p))).flatten()
+    }
+
     /// A place on a street: near the point if there is a street, otherwise in the middle of the nearest town or city.
     pub fn spawn_point(&self, near: Vec3) -> Option<SpawnPoint> {
         spawn_point(self.world()?, *self.origin, self.to_plan(near))

@@ -100,7 +100,7 @@ pub(super) struct Making {
 }
 
 /// Several changes while a world is being made lead to one more world after it.
-fn start_making(
+pub(super) fn start_making(
     source: Res<SprawlSource>,
     current: Res<SprawlWorld>,
     streaming: Res<Streaming>,

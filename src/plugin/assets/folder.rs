@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy::tasks::futures_lite::StreamExt;
 use bevy::tasks::{IoTaskPool, Task, futures::check_ready};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A style or patch set was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's asset
@@ -33,20 +33,21 @@ pub struct AssetRejected {
 pub struct SprawlFolder {
     path: String,
     bundled: WorldAssets,
-    styles: BTreeMap<AssetPath<'static>, Handle<Style>>,
-    patch_sets: BTreeMap<AssetPath<'static>, Handle<PatchSet>>,
+    /// By path, as the asset server writes it.
+    styles: BTreeMap<String, Handle<Style>>,
+    patch_sets: BTreeMap<String, Handle<PatchSet>>,
     /// Files that have neither been loaded nor been refused yet.
-    waiting: BTreeSet<AssetPath<'static>>,
+    waiting: BTreeSet<String>,
     listing: Option<Task<Result<Listing, FileError>>>,
     list: bool,
     /// Something has been loaded since the assets were handed over.
     changed: bool,
 }
 
-/// Files under `styles/` and `patches/`.
+/// Paths of the files under `styles/` and `patches/`.
 struct Listing {
-    styles: Vec<PathBuf>,
-    patches: Vec<PathBuf>,
+    styles: BTreeSet<String>,
+    patches: BTreeSet<String>,
 }
 
 impl SprawlFolder {
@@ -105,7 +106,7 @@ pub(super) fn list_files(
 async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError> {
     let root = AssetPath::parse(path).into_owned();
     let source = server.get_source(root.source().clone()).map_err(|e| FileError::unreadable(path, e))?;
-    let mut found = [Vec::new(), Vec::new()];
+    let mut found = [BTreeSet::new(), BTreeSet::new()];
     let mut missing = None;
     for (files, name) in found.iter_mut().zip(["styles", "patches"]) {
         let inner = root.path().join(name);
@@ -113,10 +114,10 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
             Ok(mut entries) => {
                 while let Some(entry) = entries.next().await {
                     if entry.extension().is_some_and(|e| e == "ron") {
-                        files.push(entry);
+                        let file = AssetPath::from_path_buf(entry).with_source(root.source().clone());
+                        files.insert(file.to_string());
                     }
                 }
-                files.sort();
             }
             Err(error) => missing = Some(FileError::unreadable(inner.to_string_lossy(), error)),
         }
@@ -131,12 +132,11 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
 
 /// Loads the files that are new, and forgets those that are gone.
 fn load<A: Asset>(
-    known: &mut BTreeMap<AssetPath<'static>, Handle<A>>,
-    waiting: &mut BTreeSet<AssetPath<'static>>,
+    known: &mut BTreeMap<String, Handle<A>>,
+    waiting: &mut BTreeSet<String>,
     server: &AssetServer,
-    files: Vec<PathBuf>,
+    files: BTreeSet<String>,
 ) {
-    let files: BTreeSet<AssetPath<'static>> = files.into_iter().map(AssetPath::from_path_buf).collect();
     known.retain(|path, _| files.contains(path));
     for path in files {
         known.entry(path.clone()).or_insert_with(|| {
@@ -155,16 +155,13 @@ pub(super) fn take_loaded(
     let folder = &mut *folder;
     let styles = styles.read().filter_map(|e| loaded(&folder.styles, e));
     let patch_sets = patch_sets.read().filter_map(|e| loaded(&folder.patch_sets, e));
-    for path in styles.chain(patch_sets) {
-        folder.waiting.remove(path);
+    for file in styles.chain(patch_sets) {
+        folder.waiting.remove(file);
         folder.changed = true;
     }
 }
 
-fn loaded<'a, A: Asset>(
-    known: &'a BTreeMap<AssetPath<'static>, Handle<A>>,
-    event: &AssetEvent<A>,
-) -> Option<&'a AssetPath<'static>> {
+fn loaded<'a, A: Asset>(known: &'a BTreeMap<String, Handle<A>>, event: &AssetEvent<A>) -> Option<&'a String> {
     let (AssetEvent::Added { id } | AssetEvent::Modified { id }) = event else { return None };
     known.iter().find(|(_, handle)| handle.id() == *id).map(|(path, _)| path)
 }
@@ -179,7 +176,7 @@ pub(super) fn take_failed(
 ) {
     let styles = styles.read().map(|e| (&e.path, &e.error));
     for (path, error) in styles.chain(patch_sets.read().map(|e| (&e.path, &e.error))) {
-        folder.waiting.remove(path);
+        folder.waiting.remove(&path.to_string());
         let known = match error {
             AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
             _ => None,
@@ -210,11 +207,11 @@ pub(super) fn hand_over(
     folder.changed = false;
     making.hold = false;
     let mut assets = folder.bundled.clone();
-    for (path, handle) in &folder.styles {
-        put(&mut assets.styles, path.path(), styles.get(handle), &source.assets.styles);
+    for (file, handle) in &folder.styles {
+        put(&mut assets.styles, file, styles.get(handle), &source.assets.styles);
     }
-    for (path, handle) in &folder.patch_sets {
-        put(&mut assets.patch_sets, path.path(), patch_sets.get(handle), &source.assets.patch_sets);
+    for (file, handle) in &folder.patch_sets {
+        put(&mut assets.patch_sets, file, patch_sets.get(handle), &source.assets.patch_sets);
     }
     source.assets = assets;
 }
@@ -222,11 +219,12 @@ pub(super) fn hand_over(
 /// Puts a loaded asset under its file's name. What has not changed keeps its `Arc`, so that it is known to be the same.
 fn put<A: Clone + PartialEq>(
     into: &mut BTreeMap<String, Arc<A>>,
-    file: &Path,
+    file: &str,
     asset: Option<&A>,
     before: &BTreeMap<String, Arc<A>>,
 ) {
-    let (Some(name), Some(asset)) = (file.file_stem().map(|s| s.to_string_lossy().into_owned()), asset) else { return };
+    let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned());
+    let (Some(name), Some(asset)) = (name, asset) else { return };
     let same = before.get(&name).filter(|b| ***b == *asset).cloned();
     into.insert(name, same.unwrap_or_else(|| Arc::new(asset.clone())));
 }

@@ -63,7 +63,7 @@ fn priority(square: Bounds, anchor: &AnchorView) -> f64 {
         return -1.0;
     }
     let centre = square.centre();
-    distance_to_segment(centre, anchor.at, anchor.ahead) + 0.3 * centre.distance(anchor.at)
+    distance_to_segment(centre, anchor.at, anchor.ahead) + 0.3 * centre.distance(anchor.at.midpoint(anchor.ahead))
 }
 
 /// Distance between a square and the segment a to b.

@@ -200,12 +200,12 @@ fn a_hundred_rounds_leak_nothing() {
 fn walking_to_and_fro_over_a_border_makes_nothing_anew() {
     let maker = Fake::new(|_| How::Make);
     let (mut app, anchor) = app(&maker, small());
-    for x in [0.0, 200.0, 0.0] {
+    for x in [0.0, 100.0, 0.0] {
         move_to(&mut app, anchor, Vec3::new(x, 0.0, 0.0));
         settle(&mut app);
     }
     let made = maker.made.load(Ordering::Relaxed);
-    for x in [200.0, 0.0, 200.0, 0.0] {
+    for x in [100.0, 0.0, 100.0, 0.0] {
         move_to(&mut app, anchor, Vec3::new(x, 0.0, 0.0));
         settle(&mut app);
     }
