@@ -324,7 +324,7 @@ fn origin_name(made_by: Option<MadeBy>) -> &'static str {
 }
 
 /// Adds a polyline or ring to path data, in hundredths of a pixel.
-fn trace(data: &mut String, points: &[DVec2], close: bool) {
+pub(super) fn trace(data: &mut String, points: &[DVec2], close: bool) {
     for (i, p) in points.iter().enumerate() {
         // Writing to a string cannot fail.
         let _ = write!(data, "{}{:.2} {:.2}", if i == 0 { "M" } else { "L" }, p.x, p.y);
