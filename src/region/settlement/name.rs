@@ -7,7 +7,7 @@ const ONSETS: [&str; 32] = [
     "b", "br", "c", "cl", "cr", "d", "dr", "f", "fl", "g", "gl", "gr", "h", "k", "l", "m", "n", "p", "r", "s", "sh",
     "st", "str", "sw", "t", "th", "tr", "v", "w", "wh", "", "",
 ];
-const VOWELS: [&str; 14] = ["a", "a", "e", "e", "i", "o", "o", "u", "ea", "ai", "oa", "ar", "or", "er"];
+const VOWELS: [&str; 11] = ["a", "a", "e", "e", "i", "o", "o", "u", "ea", "ai", "oa"];
 const CODAS: [&str; 22] = [
     "l", "ll", "n", "nd", "m", "r", "rn", "s", "st", "t", "th", "ck", "x", "lm", "ld", "ng", "v", "b", "d", "sk", "",
     "",
