@@ -161,7 +161,8 @@ fn junction_wedges(streets: &[&Street], pieces: &mut Vec<Vec<DVec2>>) {
                 // The round end of a street that others do not cover in full.
                 let (left, ahead) = (a.2.perp(), -a.2);
                 let (slant_left, slant_right) = ((left + ahead).normalize(), (ahead - left).normalize());
-                for (from, to) in [(left, slant_left), (slant_left, ahead), (ahead, slant_right), (slant_right, -left)] {
+                for (from, to) in [(left, slant_left), (slant_left, ahead), (ahead, slant_right), (slant_right, -left)]
+                {
                     wedge(a.1, from, to, a.3, pieces);
                 }
             }

@@ -16,6 +16,9 @@ const CORNER: f64 = 0.866;
 /// Distance (metres) that a frontage may cut off from a bend of the border; at sharper bends the lots part.
 const SAGITTA: f64 = 1.5;
 
+/// A lot with two corners within this distance (metres) of a run takes the run's stretch between them.
+const BESIDE: f64 = 3.0;
+
 /// A lot: a convex polygon, its first edge the frontage.
 pub(super) struct LotShape {
     pub polygon: Vec<DVec2>,
@@ -198,7 +201,7 @@ impl Cutter<'_> {
         for lot in &self.lots {
             let touching = lot.polygon.iter().filter_map(|p| {
                 let (along, at) = closest_on_line(*p, &run.line);
-                (at.distance_squared(*p) < 0.09).then_some(along)
+                (at.distance_squared(*p) < BESIDE * BESIDE).then_some(along)
             });
             let (low, high) = touching.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
             if low < high {
@@ -273,7 +276,7 @@ impl Cutter<'_> {
         for (i, &a) in points.iter().enumerate() {
             let b = points[(i + 1) % points.len()];
             let side = Half::left_of(a, b);
-            let facing = side.normal.dot(front.normal) < -0.25;
+            let facing = side.normal.dot(front.normal) < -0.6;
             if !facing || self.block.fronts[i].is_none() {
                 continue;
             }
@@ -319,7 +322,7 @@ impl Cutter<'_> {
                     let side = Half::left_of(p, q);
                     let along = (middle - p).dot(q - p) / p.distance_squared(q);
                     block.fronts[j].is_some()
-                        && side.depth(middle).abs() < 0.1
+                        && side.depth(middle).abs() < BESIDE / 2.0
                         && (0.0..=1.0).contains(&along)
                         && side.normal.dot(front.normal) < CORNER
                 })

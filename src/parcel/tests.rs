@@ -30,7 +30,10 @@ fn bent(rng: &mut Stream, a: DVec2, b: DVec2, parts: usize) -> Vec<DVec2> {
 /// end dead, and one main street may end inside.
 fn cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f64) -> Cell {
     let place = |rng: &mut Stream, i: usize, j: usize| {
-        quantize(DVec2::new(i as f64 + rng.signed() * 0.18, j as f64 + rng.signed() * 0.18) * pitch + DVec2::new(900., -300.))
+        quantize(
+            DVec2::new(i as f64 + rng.signed() * 0.18, j as f64 + rng.signed() * 0.18) * pitch
+                + DVec2::new(900., -300.),
+        )
     };
     let mut at = vec![vec![DVec2::ZERO; rows + 1]; columns + 1];
     at.iter_mut().enumerate().for_each(|(i, c)| c.iter_mut().enumerate().for_each(|(j, p)| *p = place(rng, i, j)));
@@ -48,7 +51,15 @@ fn cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f64) -> Cell {
         let (from, to) = (corners[side], corners[(side + 1) % 4]);
         let steps = from.0.abs_diff(to.0) + from.1.abs_diff(to.1);
         let step = |k: usize| {
-            let go = |a: usize, b: usize| if b > a { a + k } else if a > b { a - k } else { a };
+            let go = |a: usize, b: usize| {
+                if b > a {
+                    a + k
+                } else if a > b {
+                    a - k
+                } else {
+                    a
+                }
+            };
             (go(from.0, to.0), go(from.1, to.1))
         };
         for k in 0..steps {
@@ -150,7 +161,11 @@ fn random_cells_keep_every_promise() {
             for street in &cell.streets {
                 for (a, b) in segments(&street.line) {
                     let distance = edges(polygon).iter().map(|e| segment_distance(e.0, e.1, a, b)).fold(1e9, f64::min);
-                    assert!(distance >= street.class.half_width(), "seed {seed}: {what} at {distance} {:?}", street.class);
+                    assert!(
+                        distance >= street.class.half_width(),
+                        "seed {seed}: {what} at {distance} {:?}",
+                        street.class
+                    );
                     assert!(!point_in_polygon(a, polygon), "seed {seed}: {what} on a street");
                 }
             }
@@ -204,7 +219,8 @@ fn random_cells_keep_every_promise() {
 
 #[test]
 fn a_cell_of_slivers_or_without_streets_gives_nothing_to_build_on() {
-    let triangle = Cell { border: [(0., 0.), (20., 0.), (0., 9.)].map(|(x, y)| DVec2::new(x, y)).to_vec(), streets: vec![] };
+    let triangle =
+        Cell { border: [(0., 0.), (20., 0.), (0., 9.)].map(|(x, y)| DVec2::new(x, y)).to_vec(), streets: vec![] };
     assert_eq!(divided(1, &triangle, &ParcelRules::default()), CellParcels::default());
     let square = [(0., 0.), (90., 0.), (90., 90.), (0., 90.)].map(|(x, y)| DVec2::new(x, y)).to_vec();
     let parcels = divided(1, &Cell { border: square, streets: vec![] }, &ParcelRules::default());
@@ -230,8 +246,7 @@ fn a_cancelled_division_stops() {
     let cancel = Cancel::new();
     cancel.cancel();
     let rules = ParcelRules::default();
-    let brief =
-        ParcelBrief { seed: Seed(1), id: CellId(1), border: &[], streets: &[], rules: &rules, centrality: 1.0 };
+    let brief = ParcelBrief { seed: Seed(1), id: CellId(1), border: &[], streets: &[], rules: &rules, centrality: 1.0 };
     assert!(divide(&brief, &cancel).is_err());
 }
 
@@ -245,14 +260,46 @@ fn dump() {
         let cell = cell(&mut rng, 4, 3, pitch);
         let mut r = ParcelRules::default();
         match seed % 4 {
-            1 => r = ParcelRules { lot_width: (10.0, 18.0), lot_depth: 22.0, setback_front: 0.0, setback_side: 0.0, building_depth: 13.0, vacant: 0.02, storeys: (3, 6), ..r },
-            2 => r = ParcelRules { lot_width: (16.0, 26.0), lot_depth: 38.0, setback_front: 6.0, setback_side: 2.5, building_depth: 11.0, ..r },
-            3 => r = ParcelRules { lot_width: (6.0, 9.0), lot_depth: 25.0, setback_front: 1.5, setback_side: 0.0, building_depth: 10.0, min_area: 60.0, ..r },
+            1 => {
+                r = ParcelRules {
+                    lot_width: (10.0, 18.0),
+                    lot_depth: 22.0,
+                    setback_front: 0.0,
+                    setback_side: 0.0,
+                    building_depth: 13.0,
+                    vacant: 0.02,
+                    storeys: (3, 6),
+                    ..r
+                }
+            }
+            2 => {
+                r = ParcelRules {
+                    lot_width: (16.0, 26.0),
+                    lot_depth: 38.0,
+                    setback_front: 6.0,
+                    setback_side: 2.5,
+                    building_depth: 11.0,
+                    ..r
+                }
+            }
+            3 => {
+                r = ParcelRules {
+                    lot_width: (6.0, 9.0),
+                    lot_depth: 25.0,
+                    setback_front: 1.5,
+                    setback_side: 0.0,
+                    building_depth: 10.0,
+                    min_area: 60.0,
+                    ..r
+                }
+            }
             _ => {}
         }
         let t = std::time::Instant::now();
         let n = 20;
-        for _ in 0..n { divided(seed, &cell, &r); }
+        for _ in 0..n {
+            divided(seed, &cell, &r);
+        }
         let ms = t.elapsed().as_secs_f64() * 1e3 / n as f64;
         let p = divided(seed, &cell, &r);
         let total: f64 = signed_area(&cell.border);
@@ -260,15 +307,52 @@ fn dump() {
         areas.sort_by(f64::total_cmp);
         let ba: f64 = p.blocks.iter().map(|b| signed_area(&b.polygon)).sum();
         let la: f64 = p.lots.iter().map(|b| signed_area(&b.polygon)).sum();
-        println!("seed {seed}: {:.1} ha {} streets {} blocks {} lots {} built, median {:.0} m2, cover {:.2} (of blocks {:.2}), lots/blocks {:.2}; {ms:.2} ms", total/1e4, cell.streets.len(), p.blocks.len(), p.lots.len(), p.footprints.len(), areas[areas.len()/2], areas.iter().sum::<f64>()/total, areas.iter().sum::<f64>()/ba, la/ba);
+        println!(
+            "seed {seed}: {:.1} ha {} streets {} blocks {} lots {} built, median {:.0} m2, cover {:.2} (of blocks {:.2}), lots/blocks {:.2}; {ms:.2} ms",
+            total / 1e4,
+            cell.streets.len(),
+            p.blocks.len(),
+            p.lots.len(),
+            p.footprints.len(),
+            areas[areas.len() / 2],
+            areas.iter().sum::<f64>() / total,
+            areas.iter().sum::<f64>() / ba,
+            la / ba
+        );
         let b = crate::space::Bounds::of(cell.border.iter().copied()).grown(15.0);
         let s = b.size();
-        let mut o = format!("<svg xmlns='http://www.w3.org/2000/svg' width='1200' viewBox='{} {} {} {}'><rect x='{}' y='{}' width='{}' height='{}' fill='#ddd'/>", b.min.x, -b.max.y, s.x, s.y, b.min.x, -b.max.y, s.x, s.y);
+        let mut o = format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='1200' viewBox='{} {} {} {}'><rect x='{}' y='{}' width='{}' height='{}' fill='#ddd'/>",
+            b.min.x, -b.max.y, s.x, s.y, b.min.x, -b.max.y, s.x, s.y
+        );
         let pts = |p: &[DVec2]| p.iter().map(|v| format!("{:.3},{:.3}", v.x, -v.y)).collect::<Vec<_>>().join(" ");
-        for bl in &p.blocks { let _ = write!(o, "<polygon points='{}' fill='{}' stroke='none'/>", pts(&bl.polygon), if bl.used_as == BlockUse::Park {"#9c8"} else {"#cdb"}); }
-        for l in &p.lots { let _ = write!(o, "<polygon points='{}' fill='#efe9d8' stroke='#888' stroke-width='0.25'/><polyline points='{}' stroke='#07c' stroke-width='0.5'/>", pts(&l.polygon), pts(&l.polygon[..2])); }
-        for l in &p.footprints { let _ = write!(o, "<polygon points='{}' fill='#b65' stroke='#522' stroke-width='0.3'/>", pts(&l.polygon)); }
-        for l in &cell.streets { let _ = write!(o, "<polyline points='{}' fill='none' stroke='#fff' stroke-width='{}'/>", pts(&l.line), l.class.carriageway()); }
+        for bl in &p.blocks {
+            let _ = write!(
+                o,
+                "<polygon points='{}' fill='{}' stroke='none'/>",
+                pts(&bl.polygon),
+                if bl.used_as == BlockUse::Park { "#9c8" } else { "#cdb" }
+            );
+        }
+        for l in &p.lots {
+            let _ = write!(
+                o,
+                "<polygon points='{}' fill='#efe9d8' stroke='#888' stroke-width='0.25'/><polyline points='{}' stroke='#07c' stroke-width='0.5'/>",
+                pts(&l.polygon),
+                pts(&l.polygon[..2])
+            );
+        }
+        for l in &p.footprints {
+            let _ = write!(o, "<polygon points='{}' fill='#b65' stroke='#522' stroke-width='0.3'/>", pts(&l.polygon));
+        }
+        for l in &cell.streets {
+            let _ = write!(
+                o,
+                "<polyline points='{}' fill='none' stroke='#fff' stroke-width='{}'/>",
+                pts(&l.line),
+                l.class.carriageway()
+            );
+        }
         o.push_str("</svg>");
         std::fs::write(format!("/tmp/parcel{seed}.svg"), o).unwrap();
     }
