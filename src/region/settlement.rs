@@ -45,6 +45,11 @@ pub struct Settlement {
 pub struct SettlementSettings {}
 
 impl SettlementSettings {
+    /// Names of the styles that settlements may get.
+    pub fn style_names(&self) -> impl Iterator<Item = &str> {
+        std::iter::empty()
+    }
+
     /// Checks ranges.
     pub fn check(&self) -> Result<(), RangeError> {
         Ok(())
