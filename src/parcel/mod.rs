@@ -7,7 +7,7 @@ mod divide;
 mod footprints;
 mod lots;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use divide::divide;
 

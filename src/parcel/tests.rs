@@ -14,9 +14,9 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
 
 /// A cell with its streets.
-struct Cell {
-    border: Vec<DVec2>,
-    streets: Vec<Street>,
+pub(crate) struct Cell {
+    pub border: Vec<DVec2>,
+    pub streets: Vec<Street>,
 }
 
 /// A bent line of `parts` segments from `a` to `b`.
@@ -28,7 +28,7 @@ fn bent(rng: &mut Stream, a: DVec2, b: DVec2, parts: usize) -> Vec<DVec2> {
 
 /// A cell of `columns` by `rows` crooked blocks of about `pitch` metres; some inner streets are missing, so that others
 /// end dead, and one main street may end inside.
-fn cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f64) -> Cell {
+pub(crate) fn cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f64) -> Cell {
     let place = |rng: &mut Stream, i: usize, j: usize| {
         quantize(
             DVec2::new(i as f64 + rng.signed() * 0.18, j as f64 + rng.signed() * 0.18) * pitch
@@ -108,7 +108,7 @@ fn rules(rng: &mut Stream) -> ParcelRules {
     }
 }
 
-fn divided(seed: u64, cell: &Cell, rules: &ParcelRules) -> CellParcels {
+pub(crate) fn divided(seed: u64, cell: &Cell, rules: &ParcelRules) -> CellParcels {
     let streets: Vec<&Street> = cell.streets.iter().collect();
     let brief = ParcelBrief {
         seed: Seed(seed),
