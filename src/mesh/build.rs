@@ -27,6 +27,6 @@ pub fn build(chunk: &Chunk, terrain: &dyn Terrain, detail: Detail, cancel: &Canc
         chunk.streets.iter().for_each(|s| ribbon::far_street(&mut coarse, &mut roads, &s.street));
     }
     cancel.check()?;
-    let buildings = buildings::buildings(chunk, &mut fine, full);
-    Ok(ChunkMesh { ground, water, roads, buildings })
+    let (buildings, windows) = buildings::buildings(chunk, &mut fine, full);
+    Ok(ChunkMesh { ground, water, roads, buildings, windows })
 }

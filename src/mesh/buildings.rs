@@ -4,16 +4,14 @@ use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Surface;
 use crate::mesh::roofs::{Roof, cap, roof};
+use crate::mesh::windows::{Storeys, windows};
 use crate::parcel::{Footprint, Lot};
-use crate::space::stable_hash;
+use crate::space::{Bounds, stable_hash};
 use glam::DVec2;
 
 /// Height of a storey, and what walls stand above the last one, in metres.
-const STOREY: f64 = 3.0;
+pub(super) const STOREY: f64 = 3.0;
 const TOP: f64 = 0.5;
-
-/// Storeys from which the windows of a building are drawn as bands.
-const BANDED: u32 = 4;
 
 /// Plaster, brick and stone.
 const WALLS: [Rgb; 10] = [
@@ -40,21 +38,39 @@ const ROOFS: [Rgb; 6] = [
 ];
 
 const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
-const GLASS: Rgb = [0.055, 0.075, 0.095];
 
-/// All buildings of a chunk; without `full` they are boxes.
-pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) -> MeshBuffers {
-    let mut out = MeshBuffers::default();
+/// All buildings of a chunk, and their windows; without `full` they are boxes without windows.
+pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
+    let (mut solids, mut panes) = (MeshBuffers::default(), MeshBuffers::default());
     let mut lots: Vec<&Lot> = chunk.lots.iter().collect();
     lots.sort_by_key(|l| l.id);
-    for footprint in &chunk.footprints {
-        let lot = lots.binary_search_by_key(&footprint.lot, |l| l.id).ok().map(|i| lots[i]);
-        building(&mut out, footprint, lot, surface, full);
+    let lot_of = |f: &Footprint| lots.binary_search_by_key(&f.lot, |l| l.id).ok().map(|i| lots[i]);
+    let mut ordered: Vec<(u64, &Footprint)> =
+        chunk.footprints.iter().map(|f| (lot_of(f).map_or(0, |l| l.block), f)).collect();
+    ordered.sort_by_key(|(block, f)| (*block, f.id));
+    for row in ordered.chunk_by(|a, b| a.0 == b.0) {
+        let neighbours: Vec<(Bounds, &[DVec2])> =
+            row.iter().map(|(_, f)| (Bounds::of(f.polygon.iter().copied()), &*f.polygon)).collect();
+        for (_, footprint) in row {
+            let lot = lot_of(footprint);
+            let floor = building(&mut solids, footprint, lot, surface, full);
+            if full {
+                let of = Storeys {
+                    plan: &footprint.polygon,
+                    floor,
+                    count: footprint.storeys,
+                    street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
+                    id: footprint.id,
+                };
+                windows(&mut panes, &of, &neighbours, surface);
+            }
+        }
     }
-    out
+    (solids, panes)
 }
 
-fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &mut Surface<'_>, full: bool) {
+/// Adds a building and returns the height of its ground floor.
+fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &mut Surface<'_>, full: bool) -> f64 {
     let plan = &of.polygon;
     let grounds = plan.iter().map(|p| surface.height(*p));
     let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
@@ -70,29 +86,12 @@ fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &
     let wall = blend(wall, [0.5; 3], pick(4, 20) as f32 / 100.0);
     let tiles = ROOFS[(stable_hash(&[block, 8]) as usize % 3 * 2 + pick(5, 2)) % ROOFS.len()];
 
-    let rows =
-        if full && of.storeys >= BANDED { bands(base, floor, eaves, of.storeys) } else { vec![(base, eaves, false)] };
-    for (low, high, glass) in rows {
-        let colour = if glass { blend(wall, GLASS, 0.75) } else { wall };
-        walls(out, plan, low, high, colour);
-    }
+    walls(out, plan, base, eaves, wall);
     let shape = if full { roof(plan, of.storeys, lot.map(|l| &l.polygon[..2]), of.id) } else { Roof::Flat };
     let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
     shape.build(out, plan, eaves, colour, wall);
     cap(out, plan, base, false, wall);
-}
-
-/// Rows of wall from the base to the eaves, and which of them are windows.
-fn bands(base: f64, floor: f64, eaves: f64, storeys: u32) -> Vec<(f64, f64, bool)> {
-    let (mut rows, mut at) = (Vec::new(), base);
-    for storey in 0..storeys {
-        let sill = floor + f64::from(storey) * STOREY + 0.95;
-        rows.push((at, sill, false));
-        rows.push((sill, sill + 1.45, true));
-        at = sill + 1.45;
-    }
-    rows.push((at, eaves, false));
-    rows
+    floor
 }
 
 fn walls(out: &mut MeshBuffers, plan: &[DVec2], low: f64, high: f64, colour: Rgb) {

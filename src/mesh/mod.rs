@@ -13,6 +13,7 @@ mod ribbon;
 mod roofs;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 pub use buffers::MeshBuffers;
 pub use build::build;
@@ -36,6 +37,8 @@ pub struct ChunkMesh {
     pub water: MeshBuffers,
     /// Streets and junctions.
     pub roads: MeshBuffers,
-    /// Buildings.
+    /// Buildings: each a closed solid.
     pub buildings: MeshBuffers,
+    /// Panes of windows and doors, just before the walls.
+    pub windows: MeshBuffers,
 }
