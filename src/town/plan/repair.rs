@@ -160,7 +160,7 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
         let (a, b, at) = (g.edge(e).other(v), g.edge(f).other(v), g.at(v));
         let (to_a, to_b) = (g.at(a) - at, g.at(b) - at);
         let turn = PI - angle_between(to_a, to_b);
-        if turn < SHARP {
+        if turn < SHARP || to_a.length().min(to_b.length()) < 24.0 {
             continue;
         }
         let reach = (0.45 * to_a.length().min(to_b.length())).min(CORNER);
