@@ -86,7 +86,7 @@ fn network(case: &Case, town: &Town, seams: &[Seam], what: &str) {
     }
     let whole: f64 = town.mains.iter().map(|m| m.street.length()).sum();
     let parts: f64 = network.streets.iter().map(|s| line_length(&s.line)).sum();
-    assert!((whole - parts).abs() < 0.01 * network.junctions.len() as f64);
+    assert!((whole - parts).abs() < 0.01 * network.junctions.len() as f64, "{what}: {whole} m became {parts} m");
     let m = measure(&network);
     assert_eq!(m.components, 1, "{what}");
     assert!(m.dead_ends <= case.gates.len(), "{what}");
