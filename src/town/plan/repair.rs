@@ -160,7 +160,7 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
         let (a, b, at) = (g.edge(e).other(v), g.edge(f).other(v), g.at(v));
         let (to_a, to_b) = (g.at(a) - at, g.at(b) - at);
         let turn = PI - angle_between(to_a, to_b);
-        if turn < SHARP {
+        if turn < SHARP || to_a.length().min(to_b.length()) < 24.0 {
             continue;
         }
         let reach = (0.45 * to_a.length().min(to_b.length())).min(CORNER);
@@ -192,14 +192,22 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
         let faces = sketch.graph.faces();
         let sliver = |f: &Face| {
             let area = f.area();
-            area > 0.0 && (area < MIN_AREA || (area < 20.0 * MIN_AREA && pole(&f.polygon, 2.0).1 < MIN_INRADIUS))
+            let around: f64 = f.walk.iter().map(|h| sketch.graph.segment(h.edge)).map(|(a, b)| a.distance(b)).sum();
+            // No region has an inradius below its area over its perimeter.
+            area > 0.0 && (area < MIN_AREA || (area < MIN_INRADIUS * around && pole(&f.polygon, 2.0).1 < MIN_INRADIUS))
         };
         let victim = faces.iter().filter(|f| sliver(f)).find_map(|f| longest_street(sketch, f));
         let Some(street) = victim else { break };
+        let before = sketch.graph.clone();
         for e in street {
             sketch.graph.remove_edge(e);
         }
         sketch.prune();
+        if sketch.graph.edges().next().is_none() {
+            // A small ring is better than no street.
+            sketch.graph = before;
+            break;
+        }
     }
     Ok(())
 }
