@@ -12,6 +12,9 @@ const CUT_GAP: f64 = 30.0;
 /// Fringe cells larger than this share of a cell of regular growth are divided.
 const WIDE: f64 = 1.25;
 
+/// Width of a regular cell in villages, whose streets are short, in metres.
+const LEAST_WIDTH: f64 = 170.0;
+
 /// Edges of the graph carry the class of the main street, `None` on the outline and on cuts. Vertices and edges of the
 /// sketch come first, in their order; then the vertices of the outline that are no gates.
 pub(super) type BorderGraph = PlanarGraph<Option<StreetClass>>;
@@ -88,7 +91,7 @@ impl Fringe<'_> {
 
     /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
     fn divide(&self, graph: &mut BorderGraph) {
-        let regular = self.sketch.rules.length * self.sketch.rules.length;
+        let regular = self.sketch.rules.length.max(LEAST_WIDTH) * self.sketch.rules.length.max(LEAST_WIDTH);
         for _ in 0..8 {
             let mut changed = false;
             for face in graph.faces() {

@@ -49,7 +49,7 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
         ..full
     };
     let steps = [
-        (Limits { turn: 0.42, min_length: 60.0, ..full }, 0.0),
+        (Limits { turn: 0.42, min_length: 60.0, gap: full.gap.min(65.0), ..full }, 0.0),
         (easier(50.0, 0.9, 0.45), 0.0),
         (easier(36.0, 0.75, 0.5), 0.35),
         (Limits { ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
@@ -116,7 +116,7 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
         distance(a).total_cmp(&distance(b)).then(a.cmp(b))
     });
     let full = sketch.limits();
-    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, ..full };
+    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: full.gap.min(80.0), ..full };
     for v in tips {
         cancel.check()?;
         let g = &sketch.graph;
@@ -127,8 +127,8 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
         // A corner is better than no street, but a bend is better than a corner.
         for c in candidates(sketch, at, DVec2::ZERO, 1.7 * sketch.rules.length, &limits) {
             let corner = angle_between(heading, c.leaving);
-            if corner < 1.75 {
-                all.push(Candidate { score: c.score + 110.0 * corner, ..c });
+            if corner < 1.6 {
+                all.push(Candidate { score: c.score + 150.0 * corner, ..c });
             }
         }
         all.sort_by(|a, b| a.score.total_cmp(&b.score));
@@ -170,13 +170,20 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
             // A loose end is glad of company; a junction where the street runs on is better than one where it stops.
             let extra = match degree {
                 1 => -0.5 * sketch.rules.length,
-                2 => 50.0,
+                2 => 90.0,
                 _ => 0.0,
             };
-            offer(End::Vertex(v), p, (p - from).normalize_or_zero(), extra + 40.0);
+            let beeline = (p - from).normalize_or_zero();
+            let mut corner = f64::INFINITY;
             for w in g.neighbours(v) {
-                offer(End::Vertex(v), p, (g.at(w) - p).normalize_or_zero(), extra);
+                let on = (g.at(w) - p).normalize_or_zero();
+                // What leads on to the centre is better than what leads around it.
+                let detour = angle_between(on, -p);
+                corner = corner.min(angle_between(on, beeline));
+                offer(End::Vertex(v), p, on, extra + 35.0 * detour);
             }
+            let stop = if degree == 1 { 250.0 * corner } else { 80.0 };
+            offer(End::Vertex(v), p, beeline, extra + stop);
         }
         let (a, b) = (g.at(edge.a), g.at(edge.b));
         let normal = left_normal(b - a).normalize_or_zero();
@@ -185,8 +192,8 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
         for t in [foot, 0.2, 0.5, 0.8] {
             if t > 0.05 && t < 0.95 {
                 let p = quantize(a.lerp(b, t));
-                offer(End::Edge(e, p), p, towards, 60.0);
-                offer(End::Edge(e, p), p, (p - from).normalize_or_zero(), 75.0);
+                offer(End::Edge(e, p), p, towards, 120.0);
+                offer(End::Edge(e, p), p, (p - from).normalize_or_zero(), 135.0);
             }
         }
     }

@@ -47,7 +47,7 @@ impl Rules {
             angle: rules.min_angle_deg.to_radians(),
             angle_deviation: rules.angle_deviation_deg.to_radians(),
             snap: rules.snap_radius * scale,
-            gap: (0.5 * min_length).clamp(50.0, 75.0),
+            gap: (0.36 * length).clamp(50.0, 100.0),
             margin: (0.3 * length).clamp(60.0, 120.0),
         }
     }
