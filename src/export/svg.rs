@@ -119,11 +119,13 @@ impl Sheet {
             }
         }
         for (depth, fill) in [(0.0, "#a9cfe6"), (3.0, "#9cc5df"), (10.0, "#8eb9d7"), (30.0, "#80accc")] {
+            let (rings, shore) = match depth {
+                0.0 => (relief.shores(self.size), "#6c9dbf"),
+                _ => (relief.rings(self.size, depth, |s| s.water_level - s.height), "none"),
+            };
             let mut data = String::new();
-            let rings = relief.rings(self.size, depth, |s| s.water_level - s.height);
             rings.iter().for_each(|r| trace(&mut data, r, true));
             let water = Path::new().set("d", data).set("fill", fill).set("fill-rule", "evenodd");
-            let shore = if depth == 0.0 { "#6c9dbf" } else { "none" };
             group = group.add(water.set("stroke", shore).set("stroke-width", 1.2));
         }
         group

@@ -74,8 +74,10 @@ fn hashes(world: &World, coord: ChunkCoord, cancel: &Cancel) -> Result<[u64; LAY
     let chunk = world.chunk(coord, cancel)?;
     let mut meshes = Hash::default();
     for detail in [Detail::Full, Detail::Reduced] {
-        let mesh = mesh::build(&chunk, detail, cancel)?;
-        [&mesh.ground, &mesh.water, &mesh.roads, &mesh.buildings].into_iter().for_each(|b| meshes.buffers(b));
+        let mesh = mesh::build(&chunk, &**world.terrain(), detail, cancel)?;
+        [&mesh.ground, &mesh.water, &mesh.roads, &mesh.buildings, &mesh.windows]
+            .into_iter()
+            .for_each(|b| meshes.buffers(b));
     }
     Ok(content(&chunk, meshes.finish()))
 }
