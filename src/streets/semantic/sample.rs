@@ -1,0 +1,167 @@
+//! Cells and patches to test with: polygons of many shapes, with ports that keep the promises of the seam layer.
+
+use crate::network::{JunctionId, StreetClass};
+use crate::patch::{PatchDatabase, PatchSet};
+use crate::seam::{CellPort, STUB_CLEARANCE, STUB_LENGTH};
+use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
+use crate::streets::CellBrief;
+use crate::town::{CellId, DirectionField, FieldKind, Style};
+use glam::DVec2;
+
+/// A cell with all that its brief needs.
+pub(super) struct Sample {
+    pub seed: u64,
+    pub border: Vec<DVec2>,
+    pub half: Vec<Option<f64>>,
+    pub ports: Vec<CellPort>,
+    pub field: DirectionField,
+    pub style: Style,
+    pub patches: PatchDatabase,
+}
+
+impl Sample {
+    pub fn brief(&self) -> CellBrief<'_> {
+        CellBrief {
+            seed: Seed(self.seed),
+            id: CellId(self.seed),
+            border: &self.border,
+            street_half_width: &self.half,
+            ports: &self.ports,
+            field: &self.field,
+            style: &self.style,
+            patches: &self.patches,
+        }
+    }
+
+    /// A cell whose shape, style and ports follow from `seed`.
+    pub fn new(seed: u64, patches: PatchDatabase) -> Self {
+        let mut s = Seed(seed).stream("sample cell", &[]);
+        let mut style = Style::default();
+        let field = [FieldKind::Grid, FieldKind::Radial, FieldKind::Organic, FieldKind::Contours][s.index(4)];
+        style.main.field = field;
+        let corners = shape(&mut s);
+        // A main street bends a little between its ends.
+        let bends = if field == FieldKind::Grid { 0.0 } else { 0.06 };
+        let mut sides: Vec<(Vec<DVec2>, Option<f64>)> = Vec::new();
+        for i in 0..corners.len() {
+            let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+            let n = (a.distance(b) / 70.0).floor() as usize;
+            let off = (b - a).perp() * (s.signed() * bends);
+            let bent = |t: f64| quantize(a.lerp(b, t) + off * (4.0 * t * (1.0 - t)));
+            let line: Vec<DVec2> = (0..=n.max(1)).map(|k| bent(k as f64 / n.max(1) as f64)).collect();
+            let class = if s.chance(0.25) { StreetClass::Arterial } else { StreetClass::Main };
+            let half = if s.chance(0.1) { None } else { Some(class.half_width()) };
+            sides.push((line, half));
+        }
+        if s.chance(0.25) {
+            add_slit(&mut s, &mut sides);
+        }
+        let mut border = Vec::new();
+        let mut half = Vec::new();
+        for (line, h) in &sides {
+            border.extend(&line[..line.len() - 1]);
+            half.extend(std::iter::repeat_n(*h, line.len() - 1));
+        }
+        let mut ports: Vec<CellPort> = Vec::new();
+        for (k, (line, h)) in sides.iter().enumerate() {
+            if h.is_some() {
+                add_ports(&mut s, &sides, k, line, &border, &mut ports);
+            }
+        }
+        let field = DirectionField { angle: heading(&border) + s.signed() * 0.1 };
+        Self { seed, border, half, ports, field, style, patches }
+    }
+}
+
+/// Heading of the longest border edge, as towns plan their main streets along the field.
+fn heading(border: &[DVec2]) -> f64 {
+    let edges = (0..border.len()).map(|i| border[(i + 1) % border.len()] - border[i]);
+    let longest = edges.reduce(|a, b| if b.length() > a.length() { b } else { a });
+    math::angle_of(longest.unwrap_or_default())
+}
+
+/// Corners, counter-clockwise.
+fn shape(s: &mut Stream) -> Vec<DVec2> {
+    let (w, h) = (s.range(120.0, 450.0), s.range(120.0, 450.0));
+    let turn = s.range(0.0, 6.3);
+    let mut wobble = |p: (f64, f64)| {
+        let p = DVec2::new(p.0 * w + s.signed() * 25.0, p.1 * h + s.signed() * 25.0);
+        math::rotate(p, turn) + DVec2::new(1234.0, -987.0)
+    };
+    match (w * 7.0) as usize % 4 {
+        0 => [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(&mut wobble).to_vec(),
+        1 => [(0., 0.), (1.2, 0.), (1.2, 0.5), (0.55, 0.55), (0.5, 1.2), (0., 1.2)].map(&mut wobble).to_vec(),
+        2 => [(0., 0.), (1.4, 0.1), (0.5, 1.3)].map(&mut wobble).to_vec(),
+        _ => [(0.1, 0.), (0.8, -0.1), (1.1, 0.5), (0.7, 1.), (0.2, 1.1), (-0.1, 0.5)].map(&mut wobble).to_vec(),
+    }
+}
+
+/// A main street from a corner to the middle of the cell, walked on both sides.
+fn add_slit(s: &mut Stream, sides: &mut Vec<(Vec<DVec2>, Option<f64>)>) {
+    let i = s.index(sides.len());
+    let corner = sides[i].0[0];
+    let middle = sides.iter().map(|x| x.0[0]).sum::<DVec2>() / sides.len() as f64;
+    let n = 3;
+    let there: Vec<DVec2> = (0..=n).map(|k| quantize(corner.lerp(middle, k as f64 / f64::from(n)))).collect();
+    let back: Vec<DVec2> = there.iter().rev().copied().collect();
+    let half = Some(StreetClass::Main.half_width());
+    sides.insert(i, (back, half));
+    sides.insert(i, (there, half));
+}
+
+fn add_ports(
+    s: &mut Stream,
+    sides: &[(Vec<DVec2>, Option<f64>)],
+    own: usize,
+    line: &[DVec2],
+    border: &[DVec2],
+    ports: &mut Vec<CellPort>,
+) {
+    let length = crate::space::line_length(line);
+    let mut along = s.range(38.0, 80.0);
+    while along < length - 38.0 {
+        let (at, heading) = point_at(line, along);
+        let (at, inward) = (quantize(at), heading.perp());
+        let (from, to) = (at + inward * 0.5, at + inward * STUB_LENGTH);
+        let clear_of = |other: &[DVec2]| {
+            crate::space::segments(other).all(|(a, b)| segment_distance(from, to, a, b) >= STUB_CLEARANCE)
+        };
+        // A side walked back along the same street touches the port; it is not another side.
+        let others = sides.iter().enumerate().filter(|(k, x)| *k != own && !x.0.iter().rev().eq(line.iter()));
+        let clear = others.into_iter().all(|(_, x)| clear_of(&x.0));
+        let crosses = crate::space::segments(line).any(|(a, b)| segment_crossing(from, to, a, b).is_some());
+        let apart = ports.iter().all(|p| {
+            let far = p.at + p.inward * STUB_LENGTH;
+            p.at == at || segment_distance(from, to, p.at, far) >= STUB_CLEARANCE
+        });
+        if clear && apart && !crosses && point_in_polygon(to, border) {
+            let junction = JunctionId::of(&[at.x.to_bits(), at.y.to_bits()]);
+            ports.push(CellPort { junction, at, inward, class: StreetClass::Local });
+        }
+        along += s.range(76.0, 114.0);
+    }
+}
+
+/// A small set of the common shapes.
+pub(super) fn patches() -> PatchDatabase {
+    let text = r#"(patches: [
+        (name: "tee", vertices: [(0, 0), (0, 60), (-55, 60), (55, 60)], streets: [(0, 1), (2, 1), (1, 3)]),
+        (name: "cross", vertices: [(0, 0), (0, 60), (-60, 60), (60, 60), (0, 120)], streets: [[0, 1, 4], [2, 1, 3]]),
+        (name: "straight", vertices: [(0, 0), (0, 45), (4, 95)], streets: [[0, 1, 2]], weight: 0.4),
+        (name: "bend", vertices: [(0, 0), (2, 25), (9, 46), (22, 64), (40, 77), (62, 84)], streets: [[0, 1, 2, 3, 4, 5]], weight: 0.5),
+        (name: "ladder", vertices: [(0, 0), (0, 55), (70, 55), (70, 0), (0, 115), (70, 115), (-50, 55), (125, 55)],
+            streets: [(0, 1), (3, 2), (1, 2), (1, 4), (2, 5), (6, 1), (2, 7)]),
+        (name: "crescent", vertices: [(0, 0), (0, 40), (12, 62), (34, 74), (58, 74), (80, 62), (92, 40), (92, 0)],
+            streets: [[0, 1, 2, 3, 4, 5, 6, 7], (1, 6)]),
+        (name: "cul-de-sac", vertices: [(0, 0), (0, 30), (6, 52), (18, 70)], streets: [[0, 1, 2, 3]], dead_ends: [3], weight: 0.3),
+        (name: "close", vertices: [(0, 0), (0, 45), (50, 45), (0, 100)], streets: [(0, 1), (1, 2), (1, 3)], dead_ends: [2], weight: 0.5),
+        (name: "roundabout", at_most: 1, weight: 0.4,
+            vertices: [(0, 20), (14, 14), (20, 0), (14, -14), (0, -20), (-14, -14), (-20, 0), (-14, 14), (0, 62), (62, 0), (0, -62), (-62, 0)],
+            streets: [[0, 1, 2], [2, 3, 4], [4, 5, 6], [6, 7, 0], (0, 8), (2, 9), (4, 10), (6, 11)]),
+        (name: "entrance", vertices: [(-40, 0), (0, 0), (40, 0), (0, 55), (-50, 55), (50, 58)],
+            streets: [(1, 3), (3, 4), (3, 5)], main: [[0, 1, 2]]),
+        (name: "double bend", vertices: [(0, 0), (4, 40), (30, 62), (60, 66), (44, 120)], streets: [[0, 1, 2, 3], (2, 4)]),
+    ])"#;
+    let set = PatchSet::from_ron("test.ron", text).expect("the test patches are valid");
+    PatchDatabase::new(&[&set], &[], &[])
+}
