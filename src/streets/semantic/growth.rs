@@ -3,7 +3,7 @@
 use super::Work;
 use super::proposal::Join;
 use crate::network::VertexIx;
-use crate::space::math::rotate;
+use crate::space::math::{acos, rotate};
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -17,7 +17,8 @@ impl Work<'_> {
         let off = self.rng.signed() * local.angle_deviation_deg.to_radians();
         self.gather(at, length + snap + 2.0 * self.limits.gap);
         // A shorter street or one that turns aside, where the first choice does not fit.
-        let tries = [(1.0, off), (0.65, off), (1.0, 0.3), (1.0, -0.3), (0.65, 0.55), (0.65, -0.55)];
+        let bend = acos(self.straightness);
+        let tries = [(1.0, off), (0.65, off), (1.0, 0.5 * bend), (1.0, -0.5 * bend), (0.65, bend), (0.65, -bend)];
         for (share, angle) in tries {
             let to = at + rotate(direction, angle) * (length * share).max(local.min_length);
             let Some((end, join)) = self.settle(at, to, v, &self.limits) else { continue };
@@ -30,6 +31,7 @@ impl Work<'_> {
                 self.canvas.nodes[self.built[1] as usize].target = target;
                 self.queue.push_back(self.built[1]);
             }
+            self.cross_over();
             if self.canvas.graph.degree(v) < self.canvas.nodes[v as usize].target {
                 self.queue.push_back(v);
             }

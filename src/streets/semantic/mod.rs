@@ -24,7 +24,7 @@ use crate::town::FieldKind;
 use canvas::{Canvas, Near};
 use glam::DVec2;
 use patches::PatchUse;
-use proposal::{Checker, Limits, Proposal};
+use proposal::{Checker, Join, Limits, Proposal};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -55,6 +55,10 @@ struct Work<'a> {
     limits: Limits,
     /// Rules of the repair: as near as streets may ever come.
     relaxed: Limits,
+    /// Least cosine of the bend where a street goes on as another.
+    straightness: f64,
+    /// Share of T junctions that growth goes on from, across the street that was met.
+    crossings: f64,
     /// How often each patch was used, and whether it keeps the rules inside itself.
     used: Vec<PatchUse>,
     near: Near,
@@ -67,7 +71,7 @@ impl<'a> Work<'a> {
         let local = &brief.style.local;
         let min_angle = local.min_angle_deg.to_radians();
         // Blocks much narrower than the style's streets are long look pinched.
-        let gap = local.clearance.max(0.5 * local.length);
+        let gap = local.clearance.max(0.55 * local.length);
         let limits = Limits {
             gap,
             wall_gap: gap,
@@ -85,6 +89,12 @@ impl<'a> Work<'a> {
             max_degree: limits.max_degree.max(4),
         };
         let cap = limits.gap + 6.0;
+        let (straightness, crossings) = match brief.style.main.field {
+            FieldKind::Grid => (0.93, 0.75),
+            FieldKind::Radial => (0.8, 0.4),
+            FieldKind::Contours => (0.75, 0.25),
+            FieldKind::Organic => (0.7, 0.2),
+        };
         Self {
             brief,
             canvas: Canvas::new(brief, cap),
@@ -93,6 +103,8 @@ impl<'a> Work<'a> {
             queue: VecDeque::new(),
             limits,
             relaxed,
+            straightness,
+            crossings,
             used: vec![PatchUse::default(); brief.patches.patches.len()],
             near: Near::default(),
             proposal: Proposal::default(),
@@ -160,5 +172,15 @@ impl<'a> Work<'a> {
             self.canvas.build(&self.proposal, made_by, &mut self.built);
         }
         fits
+    }
+
+    /// Makes some of the T junctions that were just built candidates, so that streets go on across the one they met.
+    fn cross_over(&mut self) {
+        for i in 0..self.built.len() {
+            if matches!(self.proposal.joins[i], Join::On(_)) && self.rng.chance(self.crossings) {
+                self.canvas.nodes[self.built[i] as usize].target = 4;
+                self.queue.push_back(self.built[i]);
+            }
+        }
     }
 }

@@ -54,6 +54,7 @@ impl Work<'_> {
                 self.queue.push_back(*v);
             }
         }
+        self.cross_over();
     }
 
     /// Attaches a patch to the vertex `v` at `at`, breadth-first where possible.
@@ -115,7 +116,7 @@ impl Work<'_> {
                             .normalize_or_zero()
                             .dot(onward)
                             .min(turn(b.inward).normalize_or_zero().dot(beyond));
-                        if bends > 0.6 && self.roughly_fits(&placement, at, Some(target)) {
+                        if bends > self.straightness && self.roughly_fits(&placement, at, Some(target)) {
                             found.push((rating * (0.5 + 0.5 * bends), placement, b.vertex, w));
                         }
                     }

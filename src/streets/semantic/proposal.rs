@@ -15,6 +15,9 @@ pub(super) const STREET_FLOOR: f64 = 14.5;
 /// Least distance of a dead end from any street that it does not join.
 const DEAD_END_FLOOR: f64 = 13.0;
 
+/// Distance from a loose end that may still be led into the street: room for a street of the least length.
+const TIP_GAP: f64 = 19.0;
+
 /// Streets may be near each other where they are near along the network as well: at this share of that distance.
 const WEDGE: f64 = 0.5;
 
@@ -328,6 +331,10 @@ impl Checker {
                 continue;
             }
             let dead = |v: VertexIx| v != NONE && canvas.is_dead_end(v) && self.joints.iter().all(|j| j.vertex != v);
+            let tip = |r: DVec2| {
+                let may_go_on = |v: VertexIx, at: DVec2| r == at && dead(v) && canvas.nodes[v as usize].open;
+                may_go_on(s.va, s.a) || may_go_on(s.vb, s.b)
+            };
             for joint in self.joints.iter().filter(|x| x.point == i || x.point == j) {
                 if joint.incident(s) {
                     // They meet at the joint, at an angle that was checked; only loose ends can be too near.
@@ -362,7 +369,10 @@ impl Checker {
             for (q, r, loose) in pairs {
                 let distance = q.distance(r);
                 if distance < widest && distance < self.needed(index, s, q, r, loose, limits) {
-                    return false;
+                    // A street may pass a loose end that can be led into it.
+                    if !tip(r) || distance < TIP_GAP.min(limits.gap) {
+                        return false;
+                    }
                 }
             }
         }

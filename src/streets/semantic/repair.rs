@@ -98,14 +98,17 @@ impl Work<'_> {
     }
 
     /// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
-    /// to it, with its distance.
+    /// to it, with its distance, the greater the more aslant it lands.
     fn landing(&self, from: DVec2, direction: DVec2, reach: f64, leaving: VertexIx) -> Option<(DVec2, Join, f64)> {
         let (i, t, _) = self.near.ray(from, from + direction * reach, leaving)?;
         if self.near.segs[i].is_wall() {
             return None;
         }
         let (end, join) = self.settle(from, from + direction * (reach * t), leaving, &self.relaxed)?;
-        Some((end, join, from.distance(end)))
+        // Streets meet rather square than aslant.
+        let s = &self.near.segs[i];
+        let slant = (s.b - s.a).normalize_or_zero().dot((end - from).normalize_or_zero()).abs();
+        Some((end, join, from.distance(end) * (1.0 + slant)))
     }
 
     /// Builds the cheapest of the given streets that keeps to `limits`.

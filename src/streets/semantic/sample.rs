@@ -39,7 +39,7 @@ impl Sample {
         let mut style = Style::default();
         let field = [FieldKind::Grid, FieldKind::Radial, FieldKind::Organic, FieldKind::Contours][s.index(4)];
         style.main.field = field;
-        let corners = shape(&mut s);
+        let corners = shape(&mut s, field == FieldKind::Grid);
         // A main street bends a little between its ends.
         let bends = if field == FieldKind::Grid { 0.0 } else { 0.06 };
         let mut sides: Vec<(Vec<DVec2>, Option<f64>)> = Vec::new();
@@ -68,7 +68,7 @@ impl Sample {
                 add_ports(&mut s, &sides, k, line, &border, &mut ports);
             }
         }
-        let field = DirectionField { angle: heading(&border) + s.signed() * 0.1 };
+        let field = DirectionField::uniform(heading(&border) + s.signed() * 0.03);
         Self { seed, border, half, ports, field, style, patches }
     }
 }
@@ -81,14 +81,15 @@ fn heading(border: &[DVec2]) -> f64 {
 }
 
 /// Corners, counter-clockwise.
-fn shape(s: &mut Stream) -> Vec<DVec2> {
+fn shape(s: &mut Stream, grid: bool) -> Vec<DVec2> {
     let (w, h) = (s.range(120.0, 450.0), s.range(120.0, 450.0));
     let turn = s.range(0.0, 6.3);
+    let wobble_by = if grid { 8.0 } else { 25.0 };
     let mut wobble = |p: (f64, f64)| {
-        let p = DVec2::new(p.0 * w + s.signed() * 25.0, p.1 * h + s.signed() * 25.0);
+        let p = DVec2::new(p.0 * w + s.signed() * wobble_by, p.1 * h + s.signed() * wobble_by);
         math::rotate(p, turn) + DVec2::new(1234.0, -987.0)
     };
-    match (w * 7.0) as usize % 4 {
+    match if grid { (w * 7.0) as usize % 2 } else { (w * 7.0) as usize % 4 } {
         0 => [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(&mut wobble).to_vec(),
         1 => [(0., 0.), (1.2, 0.), (1.2, 0.5), (0.55, 0.55), (0.5, 1.2), (0., 1.2)].map(&mut wobble).to_vec(),
         2 => [(0., 0.), (1.4, 0.1), (0.5, 1.3)].map(&mut wobble).to_vec(),
