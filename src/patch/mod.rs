@@ -51,6 +51,8 @@
 mod check;
 mod database;
 mod file;
+#[cfg(test)]
+mod library;
 mod semantics;
 mod set;
 #[cfg(feature = "cli")]

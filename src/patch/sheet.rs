@@ -63,9 +63,9 @@ pub fn draw_sheet(sets: &[&PatchSet]) -> String {
 
 fn patch_box(patch: &Patch, at: DVec2) -> Group {
     let frame = Rectangle::new().set("width", BOX.x - 8.0).set("height", BOX.y - 8.0).set("rx", 6);
-    let scale = (PICTURE / (2.0 * patch.radius + 36.0)).min(SCALE);
+    let scale = (PICTURE / (2.0 * patch.radius + 40.0)).min(SCALE);
     let middle = DVec2::new((BOX.x - 8.0) / 2.0, PICTURE / 2.0 + 2.0);
-    let bar = DVec2::new(BOX.x - 18.0, PICTURE + 4.0);
+    let bar = DVec2::new(BOX.x - 18.0, PICTURE + 37.0);
     let tags: Vec<&str> = patch.tags.iter().map(String::as_str).collect();
     let mut about = format!("{:.0} m", 2.0 * patch.radius);
     if patch.weight != 1.0 {
