@@ -5,6 +5,8 @@ mod canvas;
 mod free;
 mod growth;
 #[cfg(test)]
+mod look;
+#[cfg(test)]
 mod output;
 mod patches;
 mod place;

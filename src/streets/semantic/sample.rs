@@ -1,4 +1,4 @@
-//! Cells and patches to test with: polygons of many shapes, with ports that keep the promises of the seam layer.
+//! Cells to test with: polygons of many shapes, with ports that keep the promises of the seam layer, in the bundled styles.
 
 use crate::network::{JunctionId, StreetClass};
 use crate::patch::{PatchDatabase, PatchSet};
@@ -9,17 +9,43 @@ use crate::town::{CellId, DirectionField, FieldKind, Style};
 use glam::DVec2;
 
 /// A cell with all that its brief needs.
-pub(super) struct Sample {
+pub(super) struct Sample<'a> {
     pub seed: u64,
     pub border: Vec<DVec2>,
     pub half: Vec<Option<f64>>,
     pub ports: Vec<CellPort>,
     pub field: DirectionField,
+    pub kit: &'a Kit,
+}
+
+/// A style with its patches.
+pub(super) struct Kit {
     pub style: Style,
     pub patches: PatchDatabase,
 }
 
-impl Sample {
+impl Kit {
+    /// The bundled styles.
+    pub fn all() -> Vec<Self> {
+        let read = |path: &str| {
+            let file = format!("{}/assets/{path}.ron", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(&file).expect("the bundled file is there")
+        };
+        let names = ["grid", "european", "organic", "suburb", "village"];
+        let style = |name: &str| Style::from_ron(&format!("{name}.ron"), &read(&format!("styles/{name}"))).expect(name);
+        let set = |name: &String| PatchSet::from_ron(name, &read(&format!("patches/{name}"))).expect(name);
+        names
+            .map(|name| {
+                let style = style(name);
+                let sets: Vec<PatchSet> = style.patch_sets.iter().map(set).collect();
+                let patches = PatchDatabase::new(&sets.iter().collect::<Vec<_>>(), &style.allow, &style.exclude);
+                Self { style, patches }
+            })
+            .into()
+    }
+}
+
+impl<'a> Sample<'a> {
     pub fn brief(&self) -> CellBrief<'_> {
         CellBrief {
             seed: Seed(self.seed),
@@ -28,17 +54,16 @@ impl Sample {
             street_half_width: &self.half,
             ports: &self.ports,
             field: &self.field,
-            style: &self.style,
-            patches: &self.patches,
+            style: &self.kit.style,
+            patches: &self.kit.patches,
         }
     }
 
     /// A cell whose shape, style and ports follow from `seed`.
-    pub fn new(seed: u64, patches: PatchDatabase) -> Self {
+    pub fn new(seed: u64, kits: &'a [Kit]) -> Self {
         let mut s = Seed(seed).stream("sample cell", &[]);
-        let mut style = Style::default();
-        let field = [FieldKind::Grid, FieldKind::Radial, FieldKind::Organic, FieldKind::Contours][s.index(4)];
-        style.main.field = field;
+        let kit = &kits[s.index(kits.len())];
+        let field = kit.style.main.field;
         let corners = shape(&mut s, field == FieldKind::Grid);
         // A main street bends a little between its ends.
         let bends = if field == FieldKind::Grid { 0.0 } else { 0.06 };
@@ -65,11 +90,11 @@ impl Sample {
         let mut ports: Vec<CellPort> = Vec::new();
         for (k, (line, h)) in sides.iter().enumerate() {
             if h.is_some() {
-                add_ports(&mut s, &sides, k, line, &border, &mut ports);
+                add_ports(&mut s, kit.style.seam.spacing, &sides, k, line, &border, &mut ports);
             }
         }
         let field = DirectionField::uniform(heading(&border) + s.signed() * 0.03);
-        Self { seed, border, half, ports, field, style, patches }
+        Self { seed, border, half, ports, field, kit }
     }
 }
 
@@ -112,6 +137,7 @@ fn add_slit(s: &mut Stream, sides: &mut Vec<(Vec<DVec2>, Option<f64>)>) {
 
 fn add_ports(
     s: &mut Stream,
+    spacing: f64,
     sides: &[(Vec<DVec2>, Option<f64>)],
     own: usize,
     line: &[DVec2],
@@ -119,7 +145,7 @@ fn add_ports(
     ports: &mut Vec<CellPort>,
 ) {
     let length = crate::space::line_length(line);
-    let mut along = s.range(38.0, 80.0);
+    let mut along = s.range(38.0, 0.8 * spacing);
     while along < length - 38.0 {
         let (at, heading) = point_at(line, along);
         let (at, inward) = (quantize(at), heading.perp());
@@ -139,30 +165,6 @@ fn add_ports(
             let junction = JunctionId::of(&[at.x.to_bits(), at.y.to_bits()]);
             ports.push(CellPort { junction, at, inward, class: StreetClass::Local });
         }
-        along += s.range(76.0, 114.0);
+        along += spacing * s.range(0.8, 1.2);
     }
-}
-
-/// A small set of the common shapes.
-pub(super) fn patches() -> PatchDatabase {
-    let text = r#"(patches: [
-        (name: "tee", vertices: [(0, 0), (0, 60), (-55, 60), (55, 60)], streets: [(0, 1), (2, 1), (1, 3)]),
-        (name: "cross", vertices: [(0, 0), (0, 60), (-60, 60), (60, 60), (0, 120)], streets: [[0, 1, 4], [2, 1, 3]]),
-        (name: "straight", vertices: [(0, 0), (0, 45), (4, 95)], streets: [[0, 1, 2]], weight: 0.4),
-        (name: "bend", vertices: [(0, 0), (2, 25), (9, 46), (22, 64), (40, 77), (62, 84)], streets: [[0, 1, 2, 3, 4, 5]], weight: 0.5),
-        (name: "ladder", vertices: [(0, 0), (0, 55), (70, 55), (70, 0), (0, 115), (70, 115), (-50, 55), (125, 55)],
-            streets: [(0, 1), (3, 2), (1, 2), (1, 4), (2, 5), (6, 1), (2, 7)]),
-        (name: "crescent", vertices: [(0, 0), (0, 40), (12, 62), (34, 74), (58, 74), (80, 62), (92, 40), (92, 0)],
-            streets: [[0, 1, 2, 3, 4, 5, 6, 7], (1, 6)]),
-        (name: "cul-de-sac", vertices: [(0, 0), (0, 30), (6, 52), (18, 70)], streets: [[0, 1, 2, 3]], dead_ends: [3], weight: 0.3),
-        (name: "close", vertices: [(0, 0), (0, 45), (50, 45), (0, 100)], streets: [(0, 1), (1, 2), (1, 3)], dead_ends: [2], weight: 0.5),
-        (name: "roundabout", at_most: 1, weight: 0.4,
-            vertices: [(0, 20), (14, 14), (20, 0), (14, -14), (0, -20), (-14, -14), (-20, 0), (-14, 14), (0, 62), (62, 0), (0, -62), (-62, 0)],
-            streets: [[0, 1, 2], [2, 3, 4], [4, 5, 6], [6, 7, 0], (0, 8), (2, 9), (4, 10), (6, 11)]),
-        (name: "entrance", vertices: [(-40, 0), (0, 0), (40, 0), (0, 55), (-50, 55), (50, 58)],
-            streets: [(1, 3), (3, 4), (3, 5)], main: [[0, 1, 2]]),
-        (name: "double bend", vertices: [(0, 0), (4, 40), (30, 62), (60, 66), (44, 120)], streets: [[0, 1, 2, 3], (2, 4)]),
-    ])"#;
-    let set = PatchSet::from_ron("test.ron", text).expect("the test patches are valid");
-    PatchDatabase::new(&[&set], &[], &[])
 }

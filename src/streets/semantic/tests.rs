@@ -1,7 +1,7 @@
 //! The promises of a filled cell, checked by brute force on its final streets.
 
 use super::SemanticPatches;
-use super::sample::{Sample, patches};
+use super::sample::{Kit, Sample};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, Street};
 use crate::seam::STUB_LENGTH;
@@ -13,7 +13,7 @@ use crate::streets::{CellFiller, CellStreets, MadeBy};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-fn fill(cell: &Sample) -> CellStreets {
+fn fill(cell: &Sample<'_>) -> CellStreets {
     SemanticPatches.fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
 }
 
@@ -22,7 +22,7 @@ fn line_distance(a: &[DVec2], b: &[DVec2]) -> f64 {
 }
 
 /// Everything that is wrong with a filled cell.
-pub(super) fn defects(cell: &Sample, out: &CellStreets) -> Vec<String> {
+pub(super) fn defects(cell: &Sample<'_>, out: &CellStreets) -> Vec<String> {
     let mut bad = Vec::new();
     let mut places: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
     for j in &out.junctions {
@@ -184,10 +184,11 @@ pub(super) fn defects(cell: &Sample, out: &CellStreets) -> Vec<String> {
 
 #[test]
 fn every_cell_keeps_every_promise() {
+    let kits = Kit::all();
     let mut failures = Vec::new();
     let mut streets = 0;
     for seed in 0..150 {
-        let cell = Sample::new(seed, patches());
+        let cell = Sample::new(seed, &kits);
         let out = fill(&cell);
         streets += out.streets.len();
         for d in defects(&cell, &out) {
@@ -200,17 +201,19 @@ fn every_cell_keeps_every_promise() {
 
 #[test]
 fn the_same_brief_gives_the_same_streets() {
+    let kits = Kit::all();
     for seed in [3, 14, 159] {
-        let cell = Sample::new(seed, patches());
+        let cell = Sample::new(seed, &kits);
         assert_eq!(fill(&cell), fill(&cell));
     }
 }
 
 #[test]
 fn patches_make_half_of_the_streets() {
+    let kits = Kit::all();
     let (mut patched, mut all) = (0.0, 0.0);
     for seed in 1000..1060 {
-        for s in &fill(&Sample::new(seed, patches())).streets {
+        for s in &fill(&Sample::new(seed, &kits)).streets {
             let length = line_length(&s.street.line);
             all += length;
             patched += if matches!(s.made_by, MadeBy::Patch(_)) { length } else { 0.0 };
@@ -221,15 +224,17 @@ fn patches_make_half_of_the_streets() {
 
 #[test]
 fn cancelling_stops() {
+    let kits = Kit::all();
     let cancel = Cancel::new();
     cancel.cancel();
-    let cell = Sample::new(5, patches());
+    let cell = Sample::new(5, &kits);
     assert_eq!(SemanticPatches.fill(&cell.brief(), &cancel), Err(LayerError::Cancelled));
 }
 
 #[test]
 fn cells_without_room_or_ports_are_fine() {
-    let mut cell = Sample::new(7, patches());
+    let kits = Kit::all();
+    let mut cell = Sample::new(7, &kits);
     cell.ports.clear();
     assert_eq!(fill(&cell), CellStreets::default());
     cell.border.truncate(2);
