@@ -76,12 +76,18 @@ pub(super) struct Near {
 
 impl Near {
     /// First obstacle that the segment `from`-`to` meets: its index, and parameter and position on the segment. What
-    /// ends at the vertex `leaving` is left out.
+    /// ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(usize, f64, DVec2)> {
         let (low, high) = (from.min(to), from.max(to));
         let mut best: Option<(usize, f64, DVec2)> = None;
         for (i, s) in self.segs.iter().enumerate() {
-            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() || (leaving != NONE && s.ends_at(leaving)) {
+            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
+                continue;
+            }
+            // At a port, the main street is left as well.
+            if leaving != NONE
+                && (s.ends_at(leaving) || (s.is_wall() && nearest(from, s.a, s.b).distance_squared(from) < 1e-4))
+            {
                 continue;
             }
             if let Some(x) = segment_crossing(from, to, s.a, s.b)

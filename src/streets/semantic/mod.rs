@@ -4,9 +4,6 @@
 mod canvas;
 mod free;
 mod growth;
-#[cfg(test)]
-mod look;
-#[cfg(test)]
 mod output;
 mod patches;
 mod place;
@@ -14,6 +11,7 @@ mod proposal;
 mod repair;
 #[cfg(test)]
 mod sample;
+mod shape;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -27,6 +25,7 @@ use canvas::{Canvas, Near};
 use glam::DVec2;
 use patches::PatchUse;
 use proposal::{Checker, Join, Limits, Proposal};
+use shape::Shape;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -61,11 +60,15 @@ struct Work<'a> {
     straightness: f64,
     /// Share of T junctions that growth goes on from, across the street that was met.
     crossings: f64,
+    /// The geometry of each patch.
+    shapes: Vec<Shape>,
     /// How often each patch was used, and whether it keeps the rules inside itself.
     used: Vec<PatchUse>,
     near: Near,
     proposal: Proposal,
     built: Vec<VertexIx>,
+    /// Point of the proposal that a vertex of a patch became.
+    slots: Vec<u32>,
 }
 
 impl<'a> Work<'a> {
@@ -107,10 +110,12 @@ impl<'a> Work<'a> {
             relaxed,
             straightness,
             crossings,
+            shapes: brief.patches.patches.iter().map(|p| Shape::new(p)).collect(),
             used: vec![PatchUse::default(); brief.patches.patches.len()],
             near: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),
+            slots: Vec::new(),
         }
     }
 

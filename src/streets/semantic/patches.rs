@@ -3,15 +3,12 @@
 use super::Work;
 use super::canvas::nearest;
 use super::place::Placement;
-use super::proposal::{Join, Proposal, STREET_FLOOR};
+use super::proposal::{Join, Proposal};
+use super::shape::{STRETCH, is_sound};
 use crate::network::VertexIx;
-use crate::patch::Patch;
-use crate::space::{math::rotate, segment_distance};
+use crate::space::math::rotate;
 use crate::streets::MadeBy;
 use glam::DVec2;
-
-/// Greatest change of a patch's size.
-const STRETCH: f64 = 0.12;
 
 /// Vertices that breadth-first tries to reach, the nearest first.
 const TARGETS: usize = 4;
@@ -226,57 +223,4 @@ impl Work<'_> {
         }
         rating.max(0.05)
     }
-}
-
-/// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
-fn is_sound(patch: &Patch) -> bool {
-    let least = STREET_FLOOR / (1.0 - STRETCH);
-    let edges: Vec<_> = patch.edges.iter().filter(|e| !e.main).collect();
-    let at = |v: usize| patch.vertices[v];
-    let degree = |v: usize| edges.iter().filter(|e| e.a == v || e.b == v).count();
-    // Streets: runs of edges between vertices of other degree than 2.
-    let mut street = vec![usize::MAX; edges.len()];
-    let mut ends: Vec<[usize; 2]> = Vec::new();
-    for i in 0..edges.len() {
-        if street[i] != usize::MAX {
-            continue;
-        }
-        let id = ends.len();
-        street[i] = id;
-        let mut length = at(edges[i].a).distance(at(edges[i].b));
-        let mut reached = [edges[i].a, edges[i].b];
-        for end in &mut reached {
-            while degree(*end) == 2 {
-                let Some(next) =
-                    (0..edges.len()).find(|k| street[*k] == usize::MAX && (edges[*k].a == *end || edges[*k].b == *end))
-                else {
-                    break;
-                };
-                street[next] = id;
-                length += at(edges[next].a).distance(at(edges[next].b));
-                *end = if edges[next].a == *end { edges[next].b } else { edges[next].a };
-            }
-        }
-        ends.push(reached);
-        if length < 16.0 / (1.0 - STRETCH) && reached.iter().all(|v| degree(*v) > 2) {
-            return false;
-        }
-    }
-    edges.iter().enumerate().all(|(i, e)| {
-        edges[..i].iter().enumerate().all(|(k, f)| {
-            let meet = [e.a, e.b].into_iter().find(|v| *v == f.a || *v == f.b);
-            let apart = || segment_distance(at(e.a), at(e.b), at(f.a), at(f.b));
-            if let Some(v) = meet {
-                let arm =
-                    |x: &crate::patch::PatchEdge| (at(if x.a == v { x.b } else { x.a }) - at(v)).normalize_or_zero();
-                let cosine = arm(e).dot(arm(f));
-                return cosine < if degree(v) == 2 { 0.3 } else { 0.75 };
-            }
-            if street[i] == street[k] {
-                return apart() > 4.0;
-            }
-            let joined = ends[street[i]].iter().any(|v| degree(*v) > 2 && ends[street[k]].contains(v));
-            apart() >= if joined { 4.0 } else { least }
-        })
-    })
 }

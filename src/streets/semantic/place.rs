@@ -3,15 +3,13 @@
 
 use super::Work;
 use super::canvas::{NONE, nearest};
-use super::proposal::{Join, Limits};
+use super::proposal::{Join, Limits, Proposal, STREET_FLOOR};
+use super::shape::LEAST_END;
 use crate::network::VertexIx;
-use crate::space::segment_crossing;
+use crate::space::{cut_line, segment_crossing};
 use glam::DVec2;
 
-/// Least length that is left of a patch's end street when it is cut back.
-const LEAST_END: f64 = 18.0;
-
-/// Distance over which a patch is not held against the coarse grid around the vertex that it is attached to.
+/// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
 const GRID_BLIND: f64 = 34.0;
 
 /// A patch laid on the plan: mirrored if so, scaled and turned about the origin, then moved.
@@ -52,103 +50,112 @@ impl Placement {
 impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        let patch = &self.brief.patches.patches[placement.patch];
-        let loose = |v: usize| v != placement.start && patch.connectables.iter().any(|c| c.vertex == v);
-        let blind = |p: DVec2| {
-            p.distance_squared(start) < GRID_BLIND * GRID_BLIND
-                || end.is_some_and(|e| p.distance_squared(e) < GRID_BLIND * GRID_BLIND)
-        };
+        let blind = GRID_BLIND * GRID_BLIND;
         // A little less than the gap: near the vertices it joins the distance along the network decides.
         let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
-        let blocked = |p: DVec2| self.canvas.free.surely_nearer(p, need) && !blind(p);
-        for (v, p) in patch.vertices.iter().enumerate() {
-            if !loose(v) && blocked(placement.map(*p)) {
-                return false;
-            }
-        }
-        for e in patch.edges.iter().filter(|e| !e.main && !loose(e.a) && !loose(e.b)) {
-            let (a, b) = (placement.map(patch.vertices[e.a]), placement.map(patch.vertices[e.b]));
-            let parts = (a.distance(b) / 12.0).ceil();
-            let mut i = 1.0;
-            while i < parts {
-                if blocked(a.lerp(b, i / parts)) {
-                    return false;
-                }
-                i += 1.0;
-            }
-        }
-        true
+        self.shapes[placement.patch].samples.iter().all(|p| {
+            let p = placement.map(*p);
+            !self.canvas.free.surely_nearer(p, need)
+                || p.distance_squared(start) < blind
+                || end.is_some_and(|e| p.distance_squared(e) < blind)
+        })
     }
 
     /// Makes the placement the proposal, with its ends settled. `start` says how the start vertex meets what is there;
     /// `end` is the vertex of the patch that falls on a vertex of the graph, when there is one.
     pub(super) fn propose_patch(&mut self, placement: &Placement, start: Join, end: Option<(usize, VertexIx)>) -> bool {
-        let patch = self.brief.patches.patches[placement.patch].clone();
-        self.proposal.clear();
-        // Vertices that only carry main edges are not built; the others keep their order.
-        let mut slot = vec![usize::MAX; patch.vertices.len()];
-        for e in patch.edges.iter().filter(|e| !e.main) {
-            for v in [e.a, e.b] {
-                if slot[v] == usize::MAX {
-                    slot[v] = self.proposal.points.len();
-                    self.proposal.push(placement.map(patch.vertices[v]), Join::Free(false));
-                }
+        let patch = &self.brief.patches.patches[placement.patch];
+        let shape = &self.shapes[placement.patch];
+        let mut p = std::mem::take(&mut self.proposal);
+        p.clear();
+        let mut slots = std::mem::take(&mut self.slots);
+        slots.clear();
+        slots.resize(patch.vertices.len(), NONE);
+        let mut slot = |p: &mut Proposal, v: usize| {
+            if slots[v] == NONE {
+                slots[v] = p.points.len() as u32;
+                let (at, join) = match (v == placement.start, end) {
+                    (true, _) => (placement.map(patch.vertices[v]), start),
+                    (_, Some((e, target))) if e == v => (self.canvas.graph.at(target), Join::At(target)),
+                    _ => (placement.map(patch.vertices[v]), Join::Free(false)),
+                };
+                p.push(at, join);
             }
-            self.proposal.edges.push((slot[e.a], slot[e.b]));
+            slots[v] as usize
+        };
+        let settled = |c: usize| c != placement.start && end.is_none_or(|(e, _)| e != c);
+        for e in &shape.core {
+            let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
+            p.edges.push(edge);
         }
-        let Some(&start_slot) = slot.get(placement.start).filter(|s| **s != usize::MAX) else { return false };
-        self.proposal.joins[start_slot] = start;
-        if let Join::At(v) = start {
-            self.proposal.points[start_slot] = self.canvas.graph.at(v);
-        }
-        if let Some((vertex, target)) = end {
-            self.proposal.joins[slot[vertex]] = Join::At(target);
-            self.proposal.points[slot[vertex]] = self.canvas.graph.at(target);
-        }
-        for c in &patch.connectables {
-            let point = slot[c.vertex];
-            if point == usize::MAX || point == start_slot || end.is_some_and(|(v, _)| v == c.vertex) {
+        let mut fits = true;
+        for arm in &shape.arms {
+            let tip = arm[arm.len() - 1];
+            // A street between two ends is an arm of both.
+            let inner = arm[0];
+            if shape.is_end[inner] && (inner > tip && settled(inner) || inner < tip && !settled(tip)) {
                 continue;
             }
-            let Some(&(a, b)) = self.proposal.edges.iter().find(|(a, b)| *a == point || *b == point) else { continue };
-            let inner = if a == point { b } else { a };
-            let (from, to) = (self.proposal.points[inner], self.proposal.points[point]);
-            let Some((at, join)) = self.settle(from, to, NONE, &self.limits) else { return false };
-            self.proposal.points[point] = crate::space::quantize(at);
-            self.proposal.joins[point] = join;
+            if !settled(tip) {
+                for w in arm.windows(2) {
+                    let edge = (slot(&mut p, w[0]), slot(&mut p, w[1]));
+                    p.edges.push(edge);
+                }
+                continue;
+            }
+            let line: Vec<DVec2> = arm.iter().map(|v| placement.map(patch.vertices[*v])).collect();
+            let leaving = if let (true, Join::At(v)) = (inner == placement.start, start) { v } else { NONE };
+            let Some((line, join)) = self.settle(&line, leaving, &self.limits) else {
+                fits = false;
+                break;
+            };
+            let mut before = slot(&mut p, inner);
+            for (i, at) in line.iter().enumerate().skip(1) {
+                p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
+                p.edges.push((before, p.points.len() - 1));
+                before = p.points.len() - 1;
+            }
         }
-        self.ends_keep_apart(start_slot)
+        (self.proposal, self.slots) = (p, slots);
+        fits && self.ends_keep_apart()
     }
 
-    /// Where a street from `from` towards `to` ends: on a street or vertex that it meets or comes near, cut back from
-    /// the border, or at `to`. `None` when nothing is left of it. What ends at the vertex `leaving` is ignored.
-    pub(super) fn settle(&self, from: DVec2, to: DVec2, leaving: VertexIx, limits: &Limits) -> Option<(DVec2, Join)> {
-        let local = &self.brief.style.local;
-        let length = from.distance(to);
-        let direction = (to - from) / length.max(1e-9);
-        let snap = local.snap_radius;
-        let reach = length + snap.max(limits.gap);
-        if let Some((i, t, at)) = self.near.ray(from, from + direction * reach, leaving) {
+    /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
+    /// at the end of the line. `None` when too little is left of it. What ends at the vertex `leaving` is ignored.
+    pub(super) fn settle(&self, line: &[DVec2], leaving: VertexIx, limits: &Limits) -> Option<(Vec<DVec2>, Join)> {
+        let snap = self.brief.style.local.snap_radius;
+        let mut before = 0.0;
+        for (k, w) in line.windows(2).enumerate() {
+            let (from, to) = (w[0], w[1]);
+            let length = from.distance(to);
+            let direction = (to - from) / length.max(1e-9);
+            let last = k + 2 == line.len();
+            // What lies less far ahead than the gap must be met or kept away from.
+            let reach = length + if last { snap.max(limits.gap) } else { 0.0 };
+            let leaving = if k == 0 { leaving } else { NONE };
+            let Some((i, t, at)) = self.near.ray(from, from + direction * reach, leaving) else {
+                before += length;
+                continue;
+            };
             let s = self.near.segs[i];
-            let distance = reach * t;
             if s.is_wall() {
-                let sine = ((s.b - s.a).normalize_or_zero().perp_dot(direction)).abs().max(0.2);
-                let room = distance - limits.wall_gap.max(s.floor) / sine - 0.1;
-                let cut = room.min(length);
-                return (cut >= LEAST_END).then(|| (from + direction * cut, Join::Free(true)));
+                let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
+                let room = before + reach * t - limits.wall_gap.max(s.floor) / sine - 0.1;
+                let cut = room.min(before + length);
+                return (cut >= LEAST_END).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
             }
             // Rather a vertex than a new junction next to it.
-            let weld = limits.min_piece;
             let vertex = [(s.va, s.a), (s.vb, s.b)]
                 .into_iter()
-                .filter(|(v, p)| p.distance(at) < weld && self.canvas.nodes[*v as usize].port.is_none())
+                .filter(|(v, p)| p.distance(at) < limits.min_piece && self.canvas.nodes[*v as usize].port.is_none())
                 .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
-            return Some(match vertex {
-                Some((v, p)) => (p, Join::At(v)),
-                None => (at, Join::On(s.edge)),
-            });
+            let (end, join) = vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)));
+            let mut met = line[..=k].to_vec();
+            met.push(end);
+            return Some((met, join));
         }
-        // Nothing ahead: a loose end or junction beside the end, near enough to bend to.
+        // Nothing ahead: a loose end beside the end, near enough to bend to.
+        let (from, to) = (line[line.len() - 2], line[line.len() - 1]);
         let mut best: Option<(VertexIx, DVec2, f64)> = None;
         for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
             for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
@@ -156,28 +163,35 @@ impl Work<'_> {
                 if v != leaving
                     && d < snap
                     && self.canvas.is_dead_end(v)
-                    && (p - from).dot(direction) > 0.6 * length
+                    && (p - from).normalize_or_zero().dot((to - from).normalize_or_zero()) > self.straightness
                     && best.is_none_or(|b| d < b.2)
                 {
                     best = Some((v, p, d));
                 }
             }
         }
-        Some(best.map_or((to, Join::Free(true)), |(v, p, _)| (p, Join::At(v))))
+        let mut line = line.to_vec();
+        let join = best.map_or(Join::Free(true), |(v, p, _)| {
+            line.pop();
+            line.push(p);
+            Join::At(v)
+        });
+        Some((line, join))
     }
 
-    /// Whether the ends of the proposal, which may have been moved, keep the rules towards the rest of it.
-    fn ends_keep_apart(&self, start: usize) -> bool {
+    /// Whether the last edges of the proposal's arms, which may have been moved, keep the rules towards the rest of it.
+    fn ends_keep_apart(&self) -> bool {
         let p = &self.proposal;
+        let degree = |x: usize| p.edges.iter().filter(|e| e.0 == x || e.1 == x).count();
         for (i, &(a, b)) in p.edges.iter().enumerate() {
-            let end = [(a, b), (b, a)]
-                .into_iter()
-                .find(|(x, _)| *x != start && p.edges.iter().filter(|e| e.0 == *x || e.1 == *x).count() == 1);
-            let Some((end, inner)) = end else { continue };
+            // Ends that meet nothing lie where the patch has them, or nearer.
+            let moved = |x: usize| matches!(p.joins[x], Join::At(_) | Join::On(_)) && degree(x) == 1;
+            let Some((end, inner)) = [(a, b), (b, a)].into_iter().find(|(x, _)| moved(*x)) else { continue };
             let (e, f) = (p.points[end], p.points[inner]);
-            if e.distance(f) < 8.0 {
+            if e.distance(f) < 2.0 {
                 return false;
             }
+            let crossing = degree(inner) > 2;
             for (k, &(c, d)) in p.edges.iter().enumerate() {
                 if k == i {
                     continue;
@@ -185,10 +199,8 @@ impl Work<'_> {
                 let (s, t) = (p.points[c], p.points[d]);
                 if c == inner || d == inner {
                     let other = if c == inner { t } else { s };
-                    if (e - f).normalize_or_zero().dot((other - f).normalize_or_zero()) > 0.74 {
-                        return false;
-                    }
-                    if nearest(e, s, t).distance(e) < 13.0 && p.edges.len() > 2 {
+                    let cosine = (e - f).normalize_or_zero().dot((other - f).normalize_or_zero());
+                    if cosine > if crossing { 0.74 } else { 0.0 } {
                         return false;
                     }
                     continue;
@@ -197,7 +209,7 @@ impl Work<'_> {
                     return false;
                 }
                 for (q, r) in [(e, nearest(e, s, t)), (nearest(s, e, f), s), (nearest(t, e, f), t)] {
-                    if q.distance(r) < (0.5 * (q.distance(f) + f.distance(r))).min(super::proposal::STREET_FLOOR) {
+                    if q.distance(r) < (0.5 * (q.distance(f) + f.distance(r))).min(STREET_FLOOR) {
                         return false;
                     }
                 }

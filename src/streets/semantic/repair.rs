@@ -104,7 +104,8 @@ impl Work<'_> {
         if self.near.segs[i].is_wall() {
             return None;
         }
-        let (end, join) = self.settle(from, from + direction * (reach * t), leaving, &self.relaxed)?;
+        let (line, join) = self.settle(&[from, from + direction * (reach * t)], leaving, &self.relaxed)?;
+        let end = line[line.len() - 1];
         // Streets meet rather square than aslant.
         let s = &self.near.segs[i];
         let slant = (s.b - s.a).normalize_or_zero().dot((end - from).normalize_or_zero()).abs();

@@ -6,8 +6,8 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, Street};
 use crate::seam::STUB_LENGTH;
 use crate::space::{
-    distance_to_line, line_length, math::angle_between, point_in_polygon, quantize, segment_crossing, segment_distance,
-    segments,
+    cut_line, distance_to_line, line_length, math::angle_between, point_in_polygon, quantize, segment_crossing,
+    segment_distance, segments,
 };
 use crate::streets::{CellFiller, CellStreets, MadeBy};
 use glam::DVec2;
@@ -143,22 +143,19 @@ pub(super) fn defects(cell: &Sample<'_>, out: &CellStreets) -> Vec<String> {
                 if port.is_none_or(|at| !on_own_wall(*at)) && segment_crossing(p, q, c, d).is_some() {
                     bad.push(format!("crosses the border at {p}"));
                 }
-                // The seam answers for the distance of stubs and their ends from the border.
-                let trim = |from: DVec2, to: DVec2| {
-                    let at_port = cell.ports.iter().any(|x| x.at == from);
-                    let at_stub = cell.ports.iter().any(|x| (x.at + x.inward * STUB_LENGTH).distance(from) < 0.01);
-                    let off = if at_port {
-                        STUB_LENGTH + 8.0
-                    } else if at_stub {
-                        8.0
-                    } else {
-                        0.0
-                    };
-                    from + (to - from).normalize() * off.min(from.distance(to))
-                };
-                let (from, to) = (trim(p, q), trim(q, p));
-                if (to - from).dot(q - p) > 1.0 && segment_distance(from, to, c, d) < least {
-                    bad.push(format!("{:.1} m from the border at {p}", segment_distance(from, to, c, d)));
+            }
+            // The seam answers for the distance of stubs and their ends from the border.
+            let off = |id: JunctionId, at: DVec2| {
+                let stub_end = cell.ports.iter().any(|x| (x.at + x.inward * STUB_LENGTH).distance(at) < 0.01);
+                if ports.contains_key(&id) { STUB_LENGTH + 8.0 } else { f64::from(u8::from(stub_end)) * 8.0 }
+            };
+            let n = a.line.len();
+            let (from, to) = (off(a.from, a.line[0]), a.length() - off(a.to, a.line[n - 1]));
+            if from < to {
+                let line = cut_line(&a.line, from, to);
+                let room = line_distance(&line, &[c, d]);
+                if room < least {
+                    bad.push(format!("{room:.1} m from the border near {}", line[0]));
                 }
             }
         }
