@@ -4,6 +4,8 @@
 mod canvas;
 mod free;
 mod growth;
+#[cfg(test)]
+mod look;
 mod output;
 mod patches;
 mod place;
@@ -86,8 +88,8 @@ impl<'a> Work<'a> {
             max_degree: (local.degree.1 as usize).clamp(3, 5),
         };
         let relaxed = Limits {
-            gap: 17.0_f64.min(limits.gap),
-            wall_gap: 0.0,
+            gap: 20.0_f64.min(limits.gap),
+            wall_gap: 30.0_f64.min(limits.wall_gap),
             min_angle: limits.min_angle.min(0.75),
             min_bend: 1.45,
             min_piece: 16.0,
@@ -95,10 +97,10 @@ impl<'a> Work<'a> {
         };
         let cap = limits.gap + 6.0;
         let (straightness, crossings) = match brief.style.main.field {
-            FieldKind::Grid => (0.93, 0.75),
-            FieldKind::Radial => (0.8, 0.4),
-            FieldKind::Contours => (0.75, 0.25),
-            FieldKind::Organic => (0.7, 0.2),
+            FieldKind::Grid => (0.98, 0.75),
+            FieldKind::Radial => (0.88, 0.4),
+            FieldKind::Contours => (0.82, 0.25),
+            FieldKind::Organic => (0.75, 0.2),
         };
         Self {
             brief,
