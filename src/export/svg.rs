@@ -244,7 +244,9 @@ impl Sheet {
     /// Names of settlements, the largest first; one that would lie on another is left out.
     fn names(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "names");
-        let mut taken: Vec<Bounds> = Vec::new();
+        // The scale bar's corner.
+        let mut taken = vec![Bounds::new(DVec2::new(0.0, 0.9), DVec2::new(0.25, 1.0))];
+        taken.iter_mut().for_each(|b| *b = Bounds::new(b.min * self.size, b.max * self.size));
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
         for settlement in settlements {
@@ -255,10 +257,16 @@ impl Sheet {
                     SizeClass::Village => 10.0,
                 };
             let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
-            let centre = self.place(plan.area.origin.to_local(settlement.centre.plan()));
+            let radius = settlement.radius * self.scale;
+            if settlement.size == SizeClass::Village && radius < 4.0 {
+                continue;
+            }
+            // In the middle of a town that holds it, above one that does not.
+            let up = if width < radius { 0.0 } else { radius + height };
+            let centre = self.place(plan.area.origin.to_local(settlement.centre.plan())) - DVec2::Y * up;
             let corner = centre + DVec2::new(-width, height) / 2.0;
-            let around =
-                Bounds::new(centre - DVec2::new(width, height) / 2.0, centre + DVec2::new(width, height) / 2.0);
+            let half = DVec2::new(width, height) / 2.0;
+            let around = Bounds::new(centre - half, centre + half);
             let sheet = Bounds::new(DVec2::ZERO, DVec2::splat(self.size));
             let around = around.grown(height / 2.0);
             if sheet.encloses(around) && !taken.iter().any(|t| t.overlaps(around)) {

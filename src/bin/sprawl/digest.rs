@@ -48,9 +48,9 @@ pub fn run(common: &Common, args: &DigestArgs) -> Result<(), Fail> {
     }
     let total = hex(total.finish());
     let mut people = String::new();
-    for (layer, hash) in &layers {
+    for layer in LAYERS {
         // Writing to a string cannot fail.
-        let _ = writeln!(people, "{layer:8} {}", hash.as_str().unwrap_or_default());
+        let _ = writeln!(people, "{layer:8} {}", layers[layer].as_str().unwrap_or_default());
     }
     let _ = writeln!(people, "{:8} {total}  ({} chunks)", "total", chunks.len());
     work::print(common, &json!({ "layers": layers, "chunks": chunks, "total": total }), &people)
