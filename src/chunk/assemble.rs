@@ -2,7 +2,7 @@
 
 use crate::chunk::{Chunk, Ground, Layers, PlacedStreet};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
-use crate::network::{Junction, Street};
+use crate::network::{Junction, JunctionId, Street};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin, line_length, point_at};
 use glam::DVec2;
@@ -18,6 +18,7 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         ground: Ground::new(&**layers.terrain(), origin, size),
         junctions: Vec::new(),
         streets: Vec::new(),
+        arriving: Vec::new(),
         blocks: Vec::new(),
         lots: Vec::new(),
         footprints: Vec::new(),
@@ -32,6 +33,8 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
     for found in overlap.streets {
         if street_owner(found.origin, &found.it.street, size) == coord {
             chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));
+        } else if [found.it.street.from, found.it.street.to].iter().any(|end| own_junction(&chunk, *end)) {
+            chunk.arriving.push(found.it.street.moved(found.origin.offset_to(origin)));
         }
     }
     for (town, cell) in overlap.cells {
@@ -48,6 +51,10 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         chunk.footprints.extend(parcels.footprints.iter().map(|f| f.moved(offset)));
     }
     Ok(chunk)
+}
+
+fn own_junction(chunk: &Chunk, id: JunctionId) -> bool {
+    chunk.junctions.binary_search_by_key(&id, |j| j.id).is_ok()
 }
 
 /// The chunk whose square holds the point `at`, local to `origin`.
@@ -95,7 +102,8 @@ impl Footprint {
 impl Weigh for Chunk {
     fn bytes(&self) -> usize {
         let point = size_of::<DVec2>();
-        let streets: usize = self.streets.iter().map(|s| 120 + s.street.line.len() * point).sum();
+        let lines = self.streets.iter().map(|s| &s.street).chain(&self.arriving);
+        let streets: usize = lines.map(|s| 120 + s.line.len() * point).sum();
         let blocks: usize = self.blocks.iter().map(|b| 40 + b.polygon.len() * point).sum();
         let lots: usize = self.lots.iter().map(|l| 48 + l.polygon.len() * point).sum();
         let buildings: usize = self.footprints.iter().map(|f| 48 + f.polygon.len() * point).sum();

@@ -44,6 +44,8 @@ pub struct Chunk {
     pub junctions: Vec<Junction>,
     /// Streets whose midpoint lies in it, sorted by id. Their ends may lie in other chunks: join by id.
     pub streets: Vec<PlacedStreet>,
+    /// Streets of other chunks that end at one of `junctions`, sorted by id: with them a junction knows all that meets there.
+    pub arriving: Vec<Street>,
     /// Blocks of the main cells it owns.
     pub blocks: Vec<Block>,
     /// Lots of the main cells it owns.

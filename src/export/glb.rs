@@ -25,9 +25,10 @@ pub struct PlacedMesh {
 pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportError> {
     let mut file = File::default();
     // Made when first used: readers warn of materials that nothing has.
-    let mut materials = [None; 4];
+    let mut materials = [None; MATERIALS.len()];
     for chunk in chunks {
-        let of = [&chunk.mesh.ground, &chunk.mesh.water, &chunk.mesh.roads, &chunk.mesh.buildings];
+        let m = &chunk.mesh;
+        let of = [&m.ground, &m.water, &m.roads, &m.buildings, &m.windows];
         let mut primitives = Vec::new();
         for (i, buffers) in of.into_iter().enumerate() {
             // Formats and viewers alike refuse empty meshes.
@@ -52,7 +53,8 @@ pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportErro
 }
 
 /// Name and roughness, in the order of the fields of [`ChunkMesh`].
-const MATERIALS: [(&str, f32); 4] = [("ground", 1.0), ("water", 0.15), ("roads", 0.95), ("buildings", 0.85)];
+const MATERIALS: [(&str, f32); 5] =
+    [("ground", 1.0), ("water", 0.15), ("roads", 0.95), ("buildings", 0.85), ("windows", 0.1)];
 
 #[derive(Default)]
 struct File {

@@ -16,7 +16,14 @@ pub(crate) struct Relief {
     step: f64,
     /// Terrain at (column, row) in element `row * (steps + 3) + column`, from one step beyond the north-west corner.
     samples: Vec<TerrainSample>,
+    /// How far the water stands above the ground there, in metres; where steps are long, the most around that point.
+    wet: Vec<f64>,
 }
+
+/// Steps longer than this, in metres, would miss most of a river.
+const FINE: f64 = 6.0;
+/// Ground further above its water than this, in metres, has no river beside it.
+const DRY: f64 = 4.0;
 
 impl Relief {
     /// Samples the square `bounds` (plan metres) at `steps + 1` points along each side.
@@ -24,7 +31,29 @@ impl Relief {
         let (row, step) = (steps + 3, bounds.size().x / steps as f64);
         let corner = DVec2::new(bounds.min.x - step, bounds.max.y + step);
         let at = |i: usize| corner + DVec2::new((i % row) as f64, -((i / row) as f64)) * step;
-        Self { steps, step, samples: (0..row * row).into_par_iter().map(|i| terrain.sample(at(i))).collect() }
+        let samples: Vec<TerrainSample> = (0..row * row).into_par_iter().map(|i| terrain.sample(at(i))).collect();
+        let parts = (step / FINE).ceil().clamp(1.0, 4.0) as usize;
+        let over = |s: TerrainSample| s.water_level - s.height;
+        let wet = |(i, s): (usize, &TerrainSample)| {
+            let here = over(*s);
+            if parts == 1 || here > 0.0 || here < -DRY {
+                return here;
+            }
+            let part = |k: usize| (k as f64 + 0.5) / parts as f64 - 0.5;
+            let around = (0..parts * parts).map(|k| at(i) + DVec2::new(part(k % parts), part(k / parts)) * step);
+            around.map(|p| over(terrain.sample(p))).fold(here, f64::max)
+        };
+        let mut wet: Vec<f64> = samples.par_iter().enumerate().map(wet).collect();
+        if parts > 1 {
+            // Evened out, and in favour of water: what is a cell wide stays joined, also across the diagonal.
+            wet.iter_mut().for_each(|w| *w = w.clamp(-1.0, 1.5));
+        }
+        Self { steps, step, samples, wet }
+    }
+
+    /// Rings around water, as [`Relief::rings`].
+    pub fn shores(&self, pixels: f64) -> Vec<Vec<DVec2>> {
+        self.rings_of(pixels, |i| self.wet[i])
     }
 
     fn at(&self, column: usize, row: usize) -> &TerrainSample {
@@ -46,7 +75,7 @@ impl Relief {
             self.at(c, r - 1).height - self.at(c, r + 1).height,
         ) / (2.0 * self.step);
         // From far off the same hills look flatter: what is drawn is steeper the longer the step.
-        let steeper = 1.6 * pow((self.step / 4.0).max(0.25), 0.25);
+        let steeper = 2.2 * pow((self.step / 4.0).max(0.25), 0.15);
         let light = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
         let normal = DVec3::new(-slope.x * steeper, -slope.y * steeper, 1.0).normalize();
         let shade = normal.dot(light) / light.z - 1.0;
@@ -97,16 +126,15 @@ impl Relief {
     /// Rings around where `field` is above `level`, on a map `pixels` wide and high, y down. Rings that leave the map are
     /// closed beyond it.
     pub fn rings(&self, pixels: f64, level: f64, field: impl Fn(&TerrainSample) -> f64) -> Vec<Vec<DVec2>> {
+        self.rings_of(pixels, |i| field(&self.samples[i]) - level)
+    }
+
+    fn rings_of(&self, pixels: f64, over: impl Fn(usize) -> f64) -> Vec<Vec<DVec2>> {
         let row = self.steps + 3;
         let last = row - 1;
         let outside = |i: usize| i.is_multiple_of(row) || i % row == last || i / row == 0 || i / row == last;
-        let over: Vec<f64> = self
-            .samples
-            .iter()
-            .enumerate()
-            // A rim below the level closes every ring.
-            .map(|(i, s)| if outside(i) { -1.0 } else { field(s) - level })
-            .collect();
+        // A rim below the level closes every ring.
+        let over: Vec<f64> = (0..self.samples.len()).map(|i| if outside(i) { -1.0 } else { over(i) }).collect();
         let scale = pixels / self.steps as f64;
         // The rim is pushed out, or closing would draw along the map's edge.
         let place = |p: DVec2| {

@@ -119,11 +119,13 @@ impl Sheet {
             }
         }
         for (depth, fill) in [(0.0, "#a9cfe6"), (3.0, "#9cc5df"), (10.0, "#8eb9d7"), (30.0, "#80accc")] {
+            let (rings, shore) = match depth {
+                0.0 => (relief.shores(self.size), "#6c9dbf"),
+                _ => (relief.rings(self.size, depth, |s| s.water_level - s.height), "none"),
+            };
             let mut data = String::new();
-            let rings = relief.rings(self.size, depth, |s| s.water_level - s.height);
             rings.iter().for_each(|r| trace(&mut data, r, true));
             let water = Path::new().set("d", data).set("fill", fill).set("fill-rule", "evenodd");
-            let shore = if depth == 0.0 { "#6c9dbf" } else { "none" };
             group = group.add(water.set("stroke", shore).set("stroke-width", 1.2));
         }
         group
@@ -242,7 +244,9 @@ impl Sheet {
     /// Names of settlements, the largest first; one that would lie on another is left out.
     fn names(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "names");
-        let mut taken: Vec<Bounds> = Vec::new();
+        // The scale bar's corner.
+        let mut taken = vec![Bounds::new(DVec2::new(0.0, 0.9), DVec2::new(0.25, 1.0))];
+        taken.iter_mut().for_each(|b| *b = Bounds::new(b.min * self.size, b.max * self.size));
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
         for settlement in settlements {
@@ -253,10 +257,16 @@ impl Sheet {
                     SizeClass::Village => 10.0,
                 };
             let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
-            let centre = self.place(plan.area.origin.to_local(settlement.centre.plan()));
+            let radius = settlement.radius * self.scale;
+            if settlement.size == SizeClass::Village && radius < 4.0 {
+                continue;
+            }
+            // In the middle of a town that holds it, above one that does not.
+            let up = if width < radius { 0.0 } else { radius + height };
+            let centre = self.place(plan.area.origin.to_local(settlement.centre.plan())) - DVec2::Y * up;
             let corner = centre + DVec2::new(-width, height) / 2.0;
-            let around =
-                Bounds::new(centre - DVec2::new(width, height) / 2.0, centre + DVec2::new(width, height) / 2.0);
+            let half = DVec2::new(width, height) / 2.0;
+            let around = Bounds::new(centre - half, centre + half);
             let sheet = Bounds::new(DVec2::ZERO, DVec2::splat(self.size));
             let around = around.grown(height / 2.0);
             if sheet.encloses(around) && !taken.iter().any(|t| t.overlaps(around)) {
@@ -324,7 +334,7 @@ fn origin_name(made_by: Option<MadeBy>) -> &'static str {
 }
 
 /// Adds a polyline or ring to path data, in hundredths of a pixel.
-fn trace(data: &mut String, points: &[DVec2], close: bool) {
+pub(super) fn trace(data: &mut String, points: &[DVec2], close: bool) {
     for (i, p) in points.iter().enumerate() {
         // Writing to a string cannot fail.
         let _ = write!(data, "{}{:.2} {:.2}", if i == 0 { "M" } else { "L" }, p.x, p.y);

@@ -1,6 +1,6 @@
 //! The patches that a style may use, indexed for the searches.
 
-use crate::patch::{Patch, PatchSet, Pattern};
+use crate::patch::{MainLine, Patch, PatchSet, Pattern};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,6 +31,26 @@ pub struct PatternEntry {
     pub element: usize,
 }
 
+/// What is known of a patch beyond the patch itself, found once and not for each try to place it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchFacts {
+    /// Its streets ([`Patch::streets`]).
+    pub streets: Vec<Vec<usize>>,
+    /// Vertices in which dead-end edges end.
+    pub dead_ends: Vec<usize>,
+    /// The main street that it can be attached to ([`Patch::main_line`]).
+    pub main: Option<MainLine>,
+}
+
+impl PatchFacts {
+    fn of(patch: &Patch) -> Self {
+        let ends = |v: &usize| patch.degree(*v) == 1 && !patch.is_connectable(*v);
+        let local = |v: &usize| patch.edges_at(*v).all(|e| !patch.edges[e].main);
+        let dead_ends = (0..patch.vertices.len()).filter(ends).filter(local).collect();
+        Self { streets: patch.streets(), dead_ends, main: patch.main_line() }
+    }
+}
+
 /// The patches that a style may use, indexed for the searches of Teng 2017, section 3.3.
 ///
 /// With p patches and c pairs of connectable vertices in all: made once in O((p + c) log (p + c)), then each search costs
@@ -39,6 +59,8 @@ pub struct PatternEntry {
 pub struct PatchDatabase {
     /// The patches, by set and then by place in the file.
     pub patches: Vec<Arc<Patch>>,
+    /// By patch.
+    facts: Vec<PatchFacts>,
     patterns: Vec<PatternEntry>,
     /// By distance, then patch, then pair.
     pairs: Vec<PairEntry>,
@@ -86,7 +108,8 @@ impl PatchDatabase {
                 by_tag.entry(tag.clone()).or_default().push(i);
             }
         }
-        Self { patches, patterns: Vec::new(), pairs, by_radius, by_tag }
+        let facts = patches.iter().map(|p| PatchFacts::of(p)).collect();
+        Self { patches, facts, patterns: Vec::new(), pairs, by_radius, by_tag }
     }
 
     /// (patch, pair) indices of all pairs of connectable vertices `distance` metres apart, give or take `tolerance`.
@@ -111,6 +134,11 @@ impl PatchDatabase {
     /// Indices of the patches with a tag, in order. O(log of the number of tags).
     pub fn tagged(&self, tag: &str) -> &[usize] {
         self.by_tag.get(tag).map_or(&[], Vec::as_slice)
+    }
+
+    /// What is known of a patch. O(1).
+    pub fn facts(&self, patch: usize) -> &PatchFacts {
+        &self.facts[patch]
     }
 
     /// The weights of the patches with these indices, as [`Stream::weighted`](crate::space::Stream::weighted) takes them.
@@ -190,6 +218,9 @@ mod tests {
             assert!(db.pair_entries_near(distance, tolerance).is_sorted_by(|x, y| x.distance <= y.distance));
             assert!(db.pairs_near(distance, -1.0).is_empty() && db.pairs_near(f64::NAN, 1.0).is_empty());
 
+            for (i, p) in db.patches.iter().enumerate() {
+                assert_eq!(db.facts(i).dead_ends.is_empty(), !p.tags.contains("cul-de-sac"));
+            }
             let fitting = db.fitting(distance / 2.0);
             assert_eq!(fitting.len(), db.patches.iter().filter(|p| p.radius <= distance / 2.0).count());
             assert!(fitting.iter().all(|i| db.patches[*i].radius <= distance / 2.0));

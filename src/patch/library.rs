@@ -118,3 +118,33 @@ fn styles_are_sound_and_have_patches_for_every_need() {
         assert!(style.exclude.iter().all(|t| sets.values().any(|s| s.patches.iter().any(|p| p.tags.contains(t)))));
     }
 }
+
+#[test]
+fn damaged_files_are_refused_or_read_but_never_panic() {
+    let signs: Vec<char> = "()[]{},:\"-.019eNaNinf \n".chars().collect();
+    let (mut refused, files) = (0, files("patches"));
+    for i in 0..300 {
+        let mut s = crate::space::Seed(i).stream("damage", &[]);
+        let (file, text) = &files[s.index(files.len())];
+        let mut text: Vec<char> = text.chars().take(3000).collect();
+        // Closed again after the cut, so that damage inside patches is what is met.
+        let end = text.iter().collect::<String>().rfind("\n        ),").map_or(0, |byte| byte + 11);
+        text.truncate(end);
+        text.extend("]\n)".chars());
+        for _ in 0..1 + s.index(3) {
+            let at = s.index(text.len());
+            match s.index(3) {
+                0 => drop(text.remove(at)),
+                1 => text.insert(at, signs[s.index(signs.len())]),
+                _ => text[at] = signs[s.index(signs.len())],
+            }
+        }
+        let text: String = text.into_iter().collect();
+        if let Err(error) = PatchSet::from_ron(file, &text) {
+            refused += 1;
+            let lines = text.lines().count() + 1;
+            assert!((1..=lines).contains(&error.line) && !error.reason.is_empty(), "{error}");
+        }
+    }
+    assert!((100..300).contains(&refused), "{refused} of 300 were refused");
+}

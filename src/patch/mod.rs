@@ -59,7 +59,7 @@ mod set;
 mod sheet;
 pub mod tag;
 
-pub use database::{PairEntry, PatchDatabase, PatternEntry};
+pub use database::{PairEntry, PatchDatabase, PatchFacts, PatternEntry};
 pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
 #[cfg(feature = "cli")]

@@ -176,20 +176,16 @@ impl Patch {
     }
 
     fn is_curve(&self, street: &[usize]) -> bool {
-        let (mut bent, mut in_a_row) = (0.0, 0);
         let closed = street.len() > 3 && street.first() == street.last();
         let first = if closed { &street[1..2] } else { &[] };
         let line: Vec<DVec2> = street.iter().chain(first).map(|v| self.vertices[*v]).collect();
-        line.windows(3).any(|w| {
-            let angle = turn(w[1] - w[0], w[2] - w[1]).to_degrees();
-            if !(3.0..=60.0).contains(&angle.abs()) {
-                (bent, in_a_row) = (0.0, 0);
-            } else if bent * angle < 0.0 {
-                (bent, in_a_row) = (angle, 1);
-            } else {
-                (bent, in_a_row) = (bent + angle, in_a_row + 1);
-            }
-            in_a_row >= 2 && bent.abs() >= 15.0
+        let turns: Vec<f64> = line.windows(3).map(|w| turn(w[1] - w[0], w[2] - w[1]).to_degrees()).collect();
+        (0..turns.len()).any(|from| {
+            let (mut total, mut most) = (0.0f64, 0.0f64);
+            turns[from..].iter().take_while(|t| t.abs() <= 60.0).any(|t| {
+                (total, most) = (total + t, most.max(t.abs()));
+                total.abs() >= 15.0 && most <= 0.75 * total.abs()
+            })
         })
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Text};
 
 /// Size of a patch's box and of its picture's part, in pixels.
-const BOX: DVec2 = DVec2::new(240.0, 276.0);
+const BOX: DVec2 = DVec2::new(240.0, 286.0);
 const PICTURE: f64 = 224.0;
 /// Boxes in a row.
 const COLUMNS: usize = 6;
@@ -65,7 +65,7 @@ fn patch_box(patch: &Patch, at: DVec2) -> Group {
     let frame = Rectangle::new().set("width", BOX.x - 8.0).set("height", BOX.y - 8.0).set("rx", 6);
     let scale = (PICTURE / (2.0 * patch.radius + 40.0)).min(SCALE);
     let middle = DVec2::new((BOX.x - 8.0) / 2.0, PICTURE / 2.0 + 2.0);
-    let bar = DVec2::new(BOX.x - 18.0, PICTURE + 37.0);
+    let bar = DVec2::new(BOX.x - 18.0, PICTURE + 48.0);
     let tags: Vec<&str> = patch.tags.iter().map(String::as_str).collect();
     let mut about = format!("{:.0} m", 2.0 * patch.radius);
     if patch.weight != 1.0 {
@@ -79,9 +79,9 @@ fn patch_box(patch: &Patch, at: DVec2) -> Group {
         .add(frame.set("fill", "#f7f8fa").set("stroke", "#d6dae0"))
         .add(picture(patch, middle, scale, 0.0))
         .add(line(bar - DVec2::X * BAR * scale, bar, "#9aa1ab", 2.0))
-        .add(text(&patch.name, DVec2::new(10.0, PICTURE + 12.0), 13.0, INK).set("font-weight", "bold"))
-        .add(text(&tags.join("  "), DVec2::new(10.0, PICTURE + 27.0), 10.5, FAINT))
-        .add(text(&about, DVec2::new(10.0, PICTURE + 41.0), 10.5, FAINT))
+        .add(text(&patch.name, DVec2::new(10.0, PICTURE + 14.0), 13.0, INK).set("font-weight", "bold"))
+        .add(text(&tags.join("  "), DVec2::new(10.0, PICTURE + 30.0), 10.5, FAINT))
+        .add(text(&about, DVec2::new(10.0, PICTURE + 45.0), 10.5, FAINT))
 }
 
 fn pattern_strip(pattern: &Pattern, element: &Patch, at: DVec2, width: f64) -> Group {

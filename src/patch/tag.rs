@@ -24,8 +24,8 @@ pub const ROUNDABOUT: &str = "roundabout";
 pub const LOOP: &str = "loop";
 /// Of a patch: has a dead-end edge.
 pub const CUL_DE_SAC: &str = "cul-de-sac";
-/// Of a patch: a roundabout, or some street has two or more points of inflexion in a row that turn the same way, each by
-/// 3 to 60 degrees, together by 15 degrees or more.
+/// Of a patch: a roundabout, or some stretch of a street turns by 15 degrees or more in all, and no point of inflexion on
+/// it by more than 60 degrees or by more than three quarters of that (so that a single kink makes no curve).
 pub const CURVED: &str = "curved";
 /// Of a patch: not curved. Corners and kinks join straight segments.
 pub const STRAIGHT: &str = "straight";

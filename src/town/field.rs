@@ -92,6 +92,11 @@ impl DirectionField {
         if x.abs() >= y.abs() { u * x.signum() } else { u.perp() * y.signum() }
     }
 
+    /// The centre that streets run towards and around, if the field has one.
+    pub(super) fn hub(&self) -> Option<DVec2> {
+        self.hub
+    }
+
     /// The angle without slopes.
     fn plain(&self, p: DVec2) -> f64 {
         let base = self.hub.map_or(self.base, |hub| if p == hub { self.base } else { angle_of(p - hub) });

@@ -56,6 +56,8 @@ pub fn plan(
         link::link_tips(&mut sketch, cancel)?;
         sketch.prune();
         repair::divide_wide(&mut sketch, &field, cancel)?;
+        repair::drop_pockets(&mut sketch, cancel)?;
+        repair::round_corners(&mut sketch);
     }
     if sketch.graph.edges().next().is_none() {
         sketch.clear();

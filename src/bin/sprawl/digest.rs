@@ -48,9 +48,9 @@ pub fn run(common: &Common, args: &DigestArgs) -> Result<(), Fail> {
     }
     let total = hex(total.finish());
     let mut people = String::new();
-    for (layer, hash) in &layers {
+    for layer in LAYERS {
         // Writing to a string cannot fail.
-        let _ = writeln!(people, "{layer:8} {}", hash.as_str().unwrap_or_default());
+        let _ = writeln!(people, "{layer:8} {}", layers[layer].as_str().unwrap_or_default());
     }
     let _ = writeln!(people, "{:8} {total}  ({} chunks)", "total", chunks.len());
     work::print(common, &json!({ "layers": layers, "chunks": chunks, "total": total }), &people)
@@ -74,8 +74,10 @@ fn hashes(world: &World, coord: ChunkCoord, cancel: &Cancel) -> Result<[u64; LAY
     let chunk = world.chunk(coord, cancel)?;
     let mut meshes = Hash::default();
     for detail in [Detail::Full, Detail::Reduced] {
-        let mesh = mesh::build(&chunk, detail, cancel)?;
-        [&mesh.ground, &mesh.water, &mesh.roads, &mesh.buildings].into_iter().for_each(|b| meshes.buffers(b));
+        let mesh = mesh::build(&chunk, &**world.terrain(), detail, cancel)?;
+        [&mesh.ground, &mesh.water, &mesh.roads, &mesh.buildings, &mesh.windows]
+            .into_iter()
+            .for_each(|b| meshes.buffers(b));
     }
     Ok(content(&chunk, meshes.finish()))
 }

@@ -119,7 +119,11 @@ fn meshes(common: &Common, world: &World, bounds: Bounds, detail: DetailArg) -> 
     let cancel = Cancel::new();
     work::each(common, "building meshes", &work::chunks(world, bounds), |coord| {
         let chunk = world.chunk(*coord, &cancel)?;
-        Ok(PlacedMesh { coord: *coord, origin: chunk.origin, mesh: mesh::build(&chunk, detail, &cancel)? })
+        Ok(PlacedMesh {
+            coord: *coord,
+            origin: chunk.origin,
+            mesh: mesh::build(&chunk, &**world.terrain(), detail, &cancel)?,
+        })
     })
 }
 

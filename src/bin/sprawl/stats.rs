@@ -218,7 +218,7 @@ fn timing(world: &World, bounds: Bounds) -> Result<Value, LayerError> {
 
     let start = Instant::now();
     for chunk in &chunks {
-        std::hint::black_box(mesh::build(chunk, Detail::Full, &cancel)?);
+        std::hint::black_box(mesh::build(chunk, &**world.terrain(), Detail::Full, &cancel)?);
     }
     timed("mesh", start);
     Ok(Value::Object(out))

@@ -124,7 +124,7 @@ pub fn print(common: &Common, json: &Value, people: &str) -> Result<(), Fail> {
     let mut out = std::io::stdout().lock();
     if common.json {
         writeln!(out, "{json}")?;
-    } else {
+    } else if !people.is_empty() {
         writeln!(out, "{}", people.trim_end())?;
     }
     Ok(())

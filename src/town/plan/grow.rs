@@ -93,9 +93,18 @@ fn propose(
     heading: DVec2,
 ) -> Option<VertexIx> {
     let (rules, limits) = (sketch.rules, sketch.limits());
-    let length = rules.length + rules.deviation * stream.signed();
-    let start = End::Vertex(v);
-    let traced = trace(field, sketch.graph.at(v), heading, length + rules.snap);
+    let mut length = rules.length + rules.deviation * stream.signed();
+    let (start, at) = (End::Vertex(v), sketch.graph.at(v));
+    if let Some(hub) = field.hub() {
+        // Streets away from the hub end on common rings, so that these close.
+        let out = (at - hub).normalize_or(heading);
+        if out.dot(heading) > 0.9 {
+            let radius = at.distance(hub);
+            let ring = (radius / rules.length + 0.4).floor() + 1.0;
+            length = ring * rules.length - radius;
+        }
+    }
+    let traced = trace(field, at, heading, length + rules.snap);
     for (end, at) in attachments(sketch, v, &traced, length) {
         let path = bend_to(&traced, at);
         if sketch.fits(&path, start, end, &limits) {

@@ -3,13 +3,14 @@
 use super::grow::STEP;
 use super::link::smooth;
 use super::sketch::{End, Limits, Sketch, tidy};
-use crate::space::math::{angle_between, angle_of};
+use crate::network::StreetClass;
+use crate::space::math::{angle_between, angle_of, direction};
 use crate::space::{line_length, quantize};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
 /// Least angle between the directions of two gates, seen from the centre, for a street between them to run through.
-const OPPOSITE: f64 = 1.4;
+const OPPOSITE: f64 = 1.2;
 
 /// A street from gate to gate through the centre, for the two gates that lie most opposite each other. Whether there are
 /// such gates.
@@ -50,7 +51,7 @@ pub(super) fn ring(sketch: &mut Sketch) {
     };
     let shape: Vec<DVec2> = (0..n).map(|i| outline[i].normalize_or_zero() * reach(i)).collect();
     let around = line_length(&shape);
-    let parts = (around / STEP).round().clamp(6.0, 60.0) as usize;
+    let parts = (around / STEP).round().clamp(12.0, 60.0) as usize;
     let mut by_angle: Vec<(f64, f64)> = shape.iter().map(|p| (angle_of(*p), p.length())).collect();
     by_angle.sort_by(|a, b| a.0.total_cmp(&b.0));
     let radius = |angle: f64| {
@@ -63,11 +64,11 @@ pub(super) fn ring(sketch: &mut Sketch) {
     let points: Vec<DVec2> = (0..parts)
         .map(|i| {
             let angle = -PI + TAU * (i as f64 + 0.5) / parts as f64;
-            quantize(crate::space::math::direction(angle) * radius(angle))
+            quantize(direction(angle) * radius(angle))
         })
         .collect();
     let vertices: Vec<_> = points.iter().map(|p| sketch.graph.add_vertex(*p)).collect();
     for i in 0..parts {
-        sketch.graph.add_edge(vertices[i], vertices[(i + 1) % parts], crate::network::StreetClass::Main);
+        sketch.graph.add_edge(vertices[i], vertices[(i + 1) % parts], StreetClass::Main);
     }
 }
