@@ -19,6 +19,8 @@ pub enum ChunkPart {
     Roads,
     /// Buildings.
     Buildings,
+    /// Windows and doors.
+    Windows,
 }
 
 /// The materials that all chunks share. Colours come from the vertices. Replace a handle before the first chunk is there, or
@@ -34,6 +36,8 @@ pub struct SprawlMaterials {
     pub roads: Handle<StandardMaterial>,
     /// Of buildings.
     pub buildings: Handle<StandardMaterial>,
+    /// Of windows and doors; glossy.
+    pub windows: Handle<StandardMaterial>,
 }
 
 impl SprawlMaterials {
@@ -44,6 +48,7 @@ impl SprawlMaterials {
             ChunkPart::Water => &self.water,
             ChunkPart::Roads => &self.roads,
             ChunkPart::Buildings => &self.buildings,
+            ChunkPart::Windows => &self.windows,
         }
     }
 }
@@ -57,12 +62,13 @@ pub(super) struct PartMesh {
 
 /// The meshes of a chunk that are not empty. `keep` leaves their data in the main world when they go to the GPU.
 pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
-    let ChunkMesh { ground, water, roads, buildings } = chunk;
+    let ChunkMesh { ground, water, roads, buildings, windows } = chunk;
     [
         (ChunkPart::Ground, ground),
         (ChunkPart::Water, water),
         (ChunkPart::Roads, roads),
         (ChunkPart::Buildings, buildings),
+        (ChunkPart::Windows, windows),
     ]
     .into_iter()
     .filter(|(_, buffers)| !buffers.indices.is_empty())
@@ -115,11 +121,12 @@ fn make_materials(
         materials.add(StandardMaterial { perceptual_roughness, reflectance, ..default() })
     };
     let (ground, roads, buildings) = (rough(1.0, 0.1), rough(0.9, 0.2), rough(0.85, 0.3));
+    let windows = rough(0.15, 0.6);
     let water = materials.add(StandardMaterial {
         alpha_mode: AlphaMode::Blend,
         perceptual_roughness: 0.12,
         reflectance: 0.5,
         ..default()
     });
-    commands.insert_resource(SprawlMaterials { ground, water, roads, buildings });
+    commands.insert_resource(SprawlMaterials { ground, water, roads, buildings, windows });
 }

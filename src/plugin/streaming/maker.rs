@@ -29,6 +29,6 @@ impl ChunkMaker for World {
     }
 
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
-        mesh::build(chunk, detail, cancel)
+        mesh::build(chunk, &**self.terrain(), detail, cancel)
     }
 }
