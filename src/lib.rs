@@ -19,6 +19,8 @@
 //! is `(x, height, -y)`.
 
 pub mod chunk;
+#[cfg(feature = "cli")]
+pub mod export;
 pub mod layer;
 pub mod mesh;
 pub mod network;

@@ -1,22 +1,261 @@
 //! The patches that a style may use, indexed for the searches.
-use crate::patch::{Patch, PatchSet};
+
+use crate::patch::{MainLine, Patch, PatchSet, Pattern};
+use crate::space::math::turn;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// A pair of connectable vertices of one of the patches, with the headings of the streets at both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairEntry {
+    /// Straight distance between the two, in metres.
+    pub distance: f64,
+    /// Index into [`PatchDatabase::patches`].
+    pub patch: usize,
+    /// Index into [`Patch::pairs`].
+    pub pair: usize,
+    /// Angle from the straight line a to b to the direction in which the street leaves `a`, in radians, counter-clockwise
+    /// positive, -pi..=pi; 0 when it heads for `b`.
+    pub leaves: f64,
+    /// Angle from the straight line a to b to the direction in which the street arrives at `b`, likewise; 0 when it comes
+    /// straight from `a`.
+    pub arrives: f64,
+}
+
+/// A pattern with its element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatternEntry {
+    /// The pattern.
+    pub pattern: Pattern,
+    /// The patch that it repeats, as index into [`PatchDatabase::patches`].
+    pub element: usize,
+}
+
+/// What is known of a patch beyond the patch itself, found once and not for each try to place it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchFacts {
+    /// Its streets ([`Patch::streets`]).
+    pub streets: Vec<Vec<usize>>,
+    /// Vertices in which dead-end edges end.
+    pub dead_ends: Vec<usize>,
+    /// The main street that it can be attached to ([`Patch::main_line`]).
+    pub main: Option<MainLine>,
+}
+
+impl PatchFacts {
+    fn of(patch: &Patch) -> Self {
+        let ends = |v: &usize| patch.degree(*v) == 1 && !patch.is_connectable(*v);
+        let local = |v: &usize| patch.edges_at(*v).all(|e| !patch.edges[e].main);
+        let dead_ends = (0..patch.vertices.len()).filter(ends).filter(local).collect();
+        Self { streets: patch.streets(), dead_ends, main: patch.main_line() }
+    }
+}
+
 /// The patches that a style may use, indexed for the searches of Teng 2017, section 3.3.
+///
+/// With p patches and c pairs of connectable vertices in all: made once in O((p + c) log (p + c)), then each search costs
+/// O(log) of what is indexed and the length of its answer.
 #[derive(Clone, Debug)]
 pub struct PatchDatabase {
     /// The patches, by set and then by place in the file.
     pub patches: Vec<Arc<Patch>>,
+    /// By patch.
+    facts: Vec<PatchFacts>,
+    patterns: Vec<PatternEntry>,
+    /// By distance, then patch, then pair.
+    pairs: Vec<PairEntry>,
+    /// Indices of patches by radius, then index.
+    by_radius: Vec<usize>,
+    /// Indices of patches in order, by tag.
+    by_tag: BTreeMap<String, Vec<usize>>,
 }
 
 impl PatchDatabase {
-    /// The patches of `sets` that have at least one tag of `allow` (any patch when that is empty) and none of `exclude`.
-    pub fn new(_sets: &[&PatchSet], _allow: &[String], _exclude: &[String]) -> Self {
-        todo!()
+    /// The patches of `sets` that have at least one tag of `allow` (any patch when that is empty) and none of `exclude`,
+    /// and the patterns of which that holds for the element.
+    pub fn new(sets: &[&PatchSet], allow: &[String], exclude: &[String]) -> Self {
+        let usable = |p: &Patch| {
+            (allow.is_empty() || allow.iter().any(|t| p.tags.contains(t)))
+                && !exclude.iter().any(|t| p.tags.contains(t))
+        };
+        let (mut patches, mut patterns) = (Vec::new(), Vec::new());
+        for set in sets {
+            let first = patches.len();
+            patches.extend(set.patches.iter().filter(|p| usable(p)).cloned().map(Arc::new));
+            for pattern in &set.patterns {
+                let element = patches[first..].iter().position(|p| p.name == pattern.element);
+                patterns.extend(element.map(|e| PatternEntry { pattern: pattern.clone(), element: first + e }));
+            }
+        }
+        let mut database = Self::of(patches);
+        database.patterns = patterns;
+        database
+    }
+
+    /// The given patches, without patterns.
+    pub fn of(patches: Vec<Arc<Patch>>) -> Self {
+        let mut pairs: Vec<PairEntry> = patches
+            .iter()
+            .enumerate()
+            .flat_map(|(i, p)| (0..p.pairs.len()).map(move |j| pair_entry(p, i, j)))
+            .collect();
+        pairs.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.patch, x.pair).cmp(&(y.patch, y.pair))));
+        let mut by_radius: Vec<usize> = (0..patches.len()).collect();
+        by_radius.sort_by(|a, b| patches[*a].radius.total_cmp(&patches[*b].radius).then(a.cmp(b)));
+        let mut by_tag: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (i, patch) in patches.iter().enumerate() {
+            for tag in &patch.tags {
+                by_tag.entry(tag.clone()).or_default().push(i);
+            }
+        }
+        let facts = patches.iter().map(|p| PatchFacts::of(p)).collect();
+        Self { patches, facts, patterns: Vec::new(), pairs, by_radius, by_tag }
     }
 
     /// (patch, pair) indices of all pairs of connectable vertices `distance` metres apart, give or take `tolerance`.
-    pub fn pairs_near(&self, _distance: f64, _tolerance: f64) -> Vec<(usize, usize)> {
-        todo!()
+    /// The same as [`pair_entries_near`](Self::pair_entries_near), copied.
+    pub fn pairs_near(&self, distance: f64, tolerance: f64) -> Vec<(usize, usize)> {
+        self.pair_entries_near(distance, tolerance).iter().map(|e| (e.patch, e.pair)).collect()
+    }
+
+    /// All pairs of connectable vertices `distance` metres apart, give or take `tolerance`, shortest first. O(log c).
+    pub fn pair_entries_near(&self, distance: f64, tolerance: f64) -> &[PairEntry] {
+        let from = self.pairs.partition_point(|e| e.distance < distance - tolerance);
+        let to = self.pairs.partition_point(|e| e.distance <= distance + tolerance);
+        // Empty, not out of order, for a negative tolerance.
+        self.pairs.get(from..to).unwrap_or_default()
+    }
+
+    /// Indices of the patches whose bounding circle has a radius of at most `radius` metres, smallest first. O(log p).
+    pub fn fitting(&self, radius: f64) -> &[usize] {
+        &self.by_radius[..self.by_radius.partition_point(|i| self.patches[*i].radius <= radius)]
+    }
+
+    /// Indices of the patches with a tag, in order. O(log of the number of tags).
+    pub fn tagged(&self, tag: &str) -> &[usize] {
+        self.by_tag.get(tag).map_or(&[], Vec::as_slice)
+    }
+
+    /// What is known of a patch. O(1).
+    pub fn facts(&self, patch: usize) -> &PatchFacts {
+        &self.facts[patch]
+    }
+
+    /// The weights of the patches with these indices, as [`Stream::weighted`](crate::space::Stream::weighted) takes them.
+    pub fn weights(&self, patches: &[usize]) -> Vec<f64> {
+        patches.iter().map(|i| self.patches[*i].weight).collect()
+    }
+
+    /// The patterns, by set and then by place in the file.
+    pub fn patterns(&self) -> &[PatternEntry] {
+        &self.patterns
+    }
+}
+
+fn pair_entry(patch: &Patch, index: usize, pair: usize) -> PairEntry {
+    let ends = patch.pairs[pair];
+    let (a, b) = (patch.connectables[ends.a], patch.connectables[ends.b]);
+    let chord = patch.vertices[b.vertex] - patch.vertices[a.vertex];
+    PairEntry {
+        distance: ends.distance,
+        patch: index,
+        pair,
+        leaves: turn(chord, a.inward),
+        arrives: turn(chord, -b.inward),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+
+    /// A set of many random trees with two to five ends.
+    fn random_set(seed: u64) -> PatchSet {
+        let mut s = Seed(seed).stream("test", &[]);
+        let mut patches = Vec::new();
+        for i in 0..60 {
+            let (n, turned) = (2 + s.index(4), s.unit());
+            let mut vertices = vec!["(0, 0)".to_owned()];
+            let mut streets = Vec::new();
+            for k in 1..=n {
+                let angle = (k as f64 / n as f64 + turned) * std::f64::consts::TAU;
+                let at = crate::space::math::direction(angle) * s.range(30.0, 120.0);
+                vertices.push(format!("({}, {})", at.x, at.y));
+                streets.push(format!("(0, {k})"));
+            }
+            let dead = if s.chance(0.3) { "1" } else { "" };
+            let tags = if s.chance(0.5) { "\"odd\"" } else { "" };
+            patches.push(format!(
+                "(name: \"{i}\", vertices: [{}], streets: [{}], dead_ends: [{dead}], tags: [{tags}], weight: {})",
+                vertices.join(", "),
+                streets.join(", "),
+                i % 3
+            ));
+        }
+        let patterns = "(name: \"a\", element: \"7\", repeat: (1, 2)), (name: \"b\", element: \"8\", repeat: (1, 2))";
+        let text = format!("(patches: [{}], patterns: [{patterns}])", patches.join(",\n"));
+        PatchSet::from_ron("random.ron", &text).unwrap()
+    }
+
+    #[test]
+    fn searches_find_what_a_full_scan_finds() {
+        for seed in 0..20 {
+            let set = random_set(seed);
+            let db = PatchDatabase::new(&[&set, &set], &[], &[]);
+            assert_eq!((db.patches.len(), db.patterns().len()), (120, 4));
+            assert_eq!(db.patterns()[3].element, 68);
+            let mut s = Seed(seed).stream("query", &[]);
+            let (distance, tolerance) = (s.range(20.0, 240.0), s.range(0.0, 20.0));
+            let mut all = Vec::new();
+            for (i, p) in db.patches.iter().enumerate() {
+                let near = |j: &usize| (p.pairs[*j].distance - distance).abs() <= tolerance;
+                all.extend((0..p.pairs.len()).filter(near).map(|j| (i, j)));
+            }
+            let mut found = db.pairs_near(distance, tolerance);
+            found.sort_unstable();
+            assert_eq!(found, all);
+            assert!(db.pair_entries_near(distance, tolerance).is_sorted_by(|x, y| x.distance <= y.distance));
+            assert!(db.pairs_near(distance, -1.0).is_empty() && db.pairs_near(f64::NAN, 1.0).is_empty());
+
+            for (i, p) in db.patches.iter().enumerate() {
+                assert_eq!(db.facts(i).dead_ends.is_empty(), !p.tags.contains("cul-de-sac"));
+            }
+            let fitting = db.fitting(distance / 2.0);
+            assert_eq!(fitting.len(), db.patches.iter().filter(|p| p.radius <= distance / 2.0).count());
+            assert!(fitting.iter().all(|i| db.patches[*i].radius <= distance / 2.0));
+            assert_eq!(db.weights(&[0, 1, 2, 63]), [0.0, 1.0, 2.0, 0.0]);
+        }
+    }
+
+    #[test]
+    fn headings_place_a_pair_between_two_points() {
+        let db = PatchDatabase::new(&[&random_set(5)], &[], &[]);
+        for entry in db.pair_entries_near(0.0, 1000.0) {
+            let patch = &db.patches[entry.patch];
+            let ends = patch.pairs[entry.pair];
+            let (a, b) = (patch.connectables[ends.a], patch.connectables[ends.b]);
+            let chord = (patch.vertices[b.vertex] - patch.vertices[a.vertex]).normalize();
+            assert!(crate::space::math::rotate(chord, entry.leaves).distance(a.inward) < 1e-9);
+            assert!(crate::space::math::rotate(chord, entry.arrives).distance(-b.inward) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn tags_allow_and_exclude() {
+        let set = random_set(3);
+        let names = |tags: &[&str]| tags.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>();
+        let with = |allow: &[&str], exclude: &[&str]| PatchDatabase::new(&[&set], &names(allow), &names(exclude));
+        let count = |tag: &str| set.patches.iter().filter(|p| p.tags.contains(tag)).count();
+        let odd = with(&["odd", "nowhere"], &[]);
+        assert_eq!((odd.patches.len(), odd.tagged("odd").len()), (count("odd"), count("odd")));
+        assert!(with(&["nowhere"], &[]).patches.is_empty());
+        let open = with(&[], &["cul-de-sac"]);
+        assert_eq!(open.patches.len(), 60 - count("cul-de-sac"));
+        assert!(open.tagged("cul-de-sac").is_empty());
+        for entry in with(&["odd"], &["terminal"]).patterns() {
+            let element = set.patches.iter().find(|p| p.name == entry.pattern.element).unwrap();
+            assert!(element.tags.contains("odd") && !element.tags.contains("terminal"));
+        }
     }
 }

@@ -2,9 +2,65 @@
 //! section 3).
 //!
 //! Part of the ground floor: knows no layer but the file errors of [`crate::layer`].
+//!
+//! # The file
+//!
+//! A patch set is a RON file: `patches`, then `patterns` (which may be left out). Lengths are metres, x east, y north; a
+//! patch may be drawn anywhere, it is moved so that the centre of its bounding circle is its origin.
+//!
+//! ```ron
+//! (
+//!     patches: [
+//!         (
+//!             name: "tee",                                        // once per file
+//!             vertices: [(0, 0), (45, 0), (90, 0), (45, -50)],    // numbered from 0
+//!             streets: [[0, 1, 2], (1, 3)],                       // each through two vertices or more
+//!         ),
+//!         (
+//!             name: "yard off a main street",
+//!             vertices: [(-60, 0), (0, 0), (60, 0), (0, 50), (50, 60), (-40, 50)],
+//!             main: [[0, 1, 2]],       // main streets: stand for one that is there already
+//!             streets: [[1, 3, 4], (3, 5)],
+//!             dead_ends: [5],          // ends that are not to be built on from
+//!             tags: ["farm"],          // besides those found from the drawing; lower case, words joined by `-`
+//!             weight: 0.5,             // how often it is chosen against the others; 1 when left out
+//!             at_most: 2,              // times in one main cell; no limit when left out
+//!         ),
+//!     ],
+//!     patterns: [(name: "yards", element: "yard off a main street", scale: (0.8, 1.2), repeat: (2, 5))],
+//! )
+//! ```
+//!
+//! - A street is a line through vertices, `(0, 1)` or `[0, 4, 5, 1]`; it may come back to where it began. Streets meet in
+//!   the vertices that they share, and nowhere else.
+//! - Curves are drawn as vertices every 8 to 20 m. A vertex on two streets' segments is a point of inflexion, one on three
+//!   or more an intersection.
+//! - Every end of a street is connectable, save those in `dead_ends`: there the network goes on. The ends of `main`
+//!   streets are neither.
+//! - A street of `main` may stand in `streets` too; it is a main street then.
+//!
+//! What a file may not hold is said by the error, with line and column: of the vertex, street, tag or weight where that
+//! alone is wrong, else of the end of the patch or pattern.
+//!
+//! # Tags
+//!
+//! [`tag`] lists the tags that are found from the geometry, and what exactly they mean. Those of a whole patch are in
+//! [`Patch::tags`] with the user's own; those of vertices and edges are asked for with [`Patch::vertex_tags`] and
+//! [`Patch::edge_tags`].
 
+mod check;
 mod database;
+mod file;
+#[cfg(test)]
+mod library;
+mod semantics;
 mod set;
+#[cfg(feature = "cli")]
+mod sheet;
+pub mod tag;
 
-pub use database::PatchDatabase;
+pub use database::{PairEntry, PatchDatabase, PatchFacts, PatternEntry};
+pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
+#[cfg(feature = "cli")]
+pub use sheet::draw_sheet;

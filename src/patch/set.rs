@@ -1,7 +1,10 @@
 //! Patches, patterns and patch sets.
-use crate::layer::FileError;
+
+use crate::layer::{FileError, from_ron};
+use crate::patch::file::SetFile;
 use glam::DVec2;
 use std::collections::BTreeSet;
+use std::path::Path;
 
 /// A vertex of a patch at which the network may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +35,13 @@ pub struct PatchEdge {
     pub b: usize,
     /// Whether it stands for a main street (then the patch is attached to one there and the edge itself is not built).
     pub main: bool,
+}
+
+impl PatchEdge {
+    /// The end that is not `v`.
+    pub fn other(&self, v: usize) -> usize {
+        if self.a == v { self.b } else { self.a }
+    }
 }
 
 /// A small example street graph with tags. Lengths are metres; vertices of degree 2 are points of inflexion.
@@ -82,8 +92,19 @@ pub struct PatchSet {
 }
 
 impl PatchSet {
-    /// Reads a patch set from RON text; `file` is only named in errors.
-    pub fn from_ron(_file: &str, _text: &str) -> Result<Self, FileError> {
-        todo!()
+    /// Reads a patch set from RON text (the format is described in [`crate::patch`]); `file` is named in errors, and its
+    /// stem names the set. The tags of Teng 2017, Table 1 are found here ([`tag`](crate::patch::tag)).
+    ///
+    /// # Errors
+    /// Text that is not RON, or describes a patch or pattern that cannot be: with line, column and what is allowed.
+    pub fn from_ron(file: &str, text: &str) -> Result<Self, FileError> {
+        if text.trim().is_empty() {
+            let reason =
+                "the file is empty; a patch set is (patches: [(name: ..., vertices: ..., streets: ...)])".into();
+            return Err(FileError { file: file.into(), line: 1, column: 1, reason });
+        }
+        let SetFile { patches, patterns } = from_ron(file, text)?;
+        let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Self { name, patches, patterns })
     }
 }

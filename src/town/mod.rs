@@ -3,6 +3,8 @@
 
 mod field;
 mod plan;
+#[cfg(test)]
+pub(crate) mod sample;
 mod style;
 
 pub use field::DirectionField;

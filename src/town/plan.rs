@@ -1,20 +1,88 @@
-//! Planning.
+//! Planning a settlement: field, growth, gates, repair, arterials, cells.
+
+mod arterial;
+mod cells;
+mod fringe;
+mod grow;
+mod link;
+mod pole;
+mod repair;
+mod sketch;
+mod small;
+#[cfg(test)]
+mod tests;
+
 use crate::layer::{Cancel, LayerError};
 use crate::region::{Gate, Outline, Settlement};
-use crate::space::Seed;
+use crate::space::{Bounds, Seed, signed_area};
 use crate::terrain::Terrain;
-use crate::town::{Style, Town};
+use crate::town::{DirectionField, Style, Town};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Plans a settlement.
+use sketch::{Rules, Sketch};
+
+/// Plans a settlement. A pure function of its arguments; `gates` lie on vertices of `outline`, each on its own.
+///
+/// Main streets grow from the centre along the style's field (Teng 2017, section 2), gates are tied to them, and what ends
+/// in nothing is connected or taken away: the only dead ends are gates. Places too small or too rugged for growth get a street
+/// that runs from gate to gate through the centre, or a ring around it.
+///
+/// # Errors
+///
+/// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn plan(
-    _seed: Seed,
-    _settlement: &Arc<Settlement>,
-    _outline: &Arc<Outline>,
-    _gates: Vec<Gate>,
-    _style: &Style,
-    _terrain: &dyn Terrain,
-    _cancel: &Cancel,
+    seed: Seed,
+    settlement: &Arc<Settlement>,
+    outline: &Arc<Outline>,
+    gates: Vec<Gate>,
+    style: &Style,
+    terrain: &dyn Terrain,
+    cancel: &Cancel,
 ) -> Result<Town, LayerError> {
-    todo!()
+    let key = [settlement.id.0];
+    let polygon = &outline.polygon;
+    let bounds = Bounds::of(polygon.iter().copied());
+    let origin = outline.origin;
+    let field = DirectionField::draw(style.main.field, &mut seed.stream("town/field", &key), bounds, origin, terrain);
+    let radius = (signed_area(polygon) / PI).sqrt();
+    let rules = Rules::new(&style.main, radius);
+    let mut sketch = Sketch::new(polygon, &gates, rules, origin, terrain);
+
+    // Each way of making streets that leaves none (all of them dead ends) gives way to the next; a ring always stands.
+    if radius >= rules.min_length + 1.3 * rules.margin {
+        grow::grow(&mut sketch, &field, &mut seed.stream("town/growth", &key), cancel)?;
+        link::tie_gates(&mut sketch, cancel)?;
+        link::link_tips(&mut sketch, cancel)?;
+        sketch.prune();
+        repair::divide_wide(&mut sketch, &field, cancel)?;
+        repair::drop_pockets(&mut sketch, cancel)?;
+        repair::round_corners(&mut sketch);
+    }
+    if sketch.graph.edges().next().is_none() {
+        sketch.clear();
+        if small::through(&mut sketch) {
+            link::tie_gates(&mut sketch, cancel)?;
+        }
+    }
+    if sketch.graph.edges().next().is_none() {
+        sketch.clear();
+        small::ring(&mut sketch);
+        link::tie_gates(&mut sketch, cancel)?;
+    }
+    arterial::mark_arterials(&mut sketch);
+    repair::drop_slivers(&mut sketch, cancel)?;
+    cancel.check()?;
+    let borders = fringe::borders(&sketch);
+    let cells::Parts { junctions, mains, cells } = cells::parts(settlement.id, &sketch, &borders);
+    Ok(Town {
+        settlement: Arc::clone(settlement),
+        origin,
+        outline: Arc::clone(outline),
+        gates,
+        field,
+        junctions,
+        mains,
+        cells,
+    })
 }

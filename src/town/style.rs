@@ -17,6 +17,11 @@ pub enum FieldKind {
     Contours,
 }
 
+impl FieldKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Grid, Self::Radial, Self::Organic, Self::Contours];
+}
+
 /// What fills the main cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Filler {

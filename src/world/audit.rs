@@ -1,11 +1,9 @@
 //! Checks of what the design promises about streets and buildings, on any area: what `sprawl soak` and the tests run over
 //! many seeds.
 
-use crate::network::{JunctionId, Street, StreetId};
+use crate::network::{JunctionId, Street, StreetId, crossings};
 use crate::region::Settlement;
-use crate::space::{
-    Bounds, Origin, cross, distance_to_segment, point_at, polygon_distance, segment_crossing, segments,
-};
+use crate::space::{Bounds, Origin, distance_to_segment, point_at, polygon_distance, segments};
 use crate::world::Area;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -122,45 +120,9 @@ impl Audit<'_> {
     }
 
     fn crossings(&mut self) {
-        for i in 0..self.streets.len() {
-            for k in 0..self.streets[i].line.len() - 1 {
-                let (a, b) = self.segment((i, k));
-                for (j, m) in self.near(Bounds::of([a, b])) {
-                    if (j, m) <= (i, k) || self.streets[i].level != self.streets[j].level {
-                        continue;
-                    }
-                    let (c, d) = self.segment((j, m));
-                    if let Some(at) = self.fault_between((i, k), (a, b), (j, m), (c, d)) {
-                        self.report(Fault::Crossing, at);
-                    }
-                }
-            }
+        for at in crossings(&self.streets) {
+            self.report(Fault::Crossing, at);
         }
-    }
-
-    /// Where two segments meet although they should not.
-    fn fault_between(
-        &self,
-        (i, k): (usize, usize),
-        (a, b): (DVec2, DVec2),
-        (j, m): (usize, usize),
-        (c, d): (DVec2, DVec2),
-    ) -> Option<DVec2> {
-        let at = segment_crossing(a, b, c, d)?.at;
-        let next_to_each_other = i == j && m == k + 1;
-        let shared = [a, b].into_iter().find(|p| *p == c || *p == d)?;
-        let allowed = next_to_each_other || (self.is_end(i, shared) && self.is_end(j, shared));
-        if !allowed {
-            return Some(at);
-        }
-        // From the shared point the two may still run on top of each other.
-        let (u, v) = (if shared == a { b - a } else { a - b }, if shared == c { d - c } else { c - d });
-        (cross(u, v) == 0.0 && u.dot(v) > 0.0).then_some(at)
-    }
-
-    fn is_end(&self, street: usize, p: DVec2) -> bool {
-        let line = &self.streets[street].line;
-        p == line[0] || p == line[line.len() - 1]
     }
 
     fn near_misses(&mut self) {

@@ -1,0 +1,108 @@
+//! Main streets and main cells, read off the finished graph.
+
+use super::fringe::Borders;
+use super::pole::pole;
+use super::sketch::Sketch;
+use crate::network::{Face, Junction, JunctionId, Street, StreetId, VertexIx};
+use crate::region::SettlementId;
+use crate::space::{QUANTUM, line_length, point_at, stable_hash};
+use crate::town::{CellId, CellSide, MainCell, MainStreet};
+use glam::DVec2;
+
+/// Junctions, main streets and main cells.
+pub(super) struct Parts {
+    pub junctions: Vec<Junction>,
+    pub mains: Vec<MainStreet>,
+    pub cells: Vec<MainCell>,
+}
+
+/// Words that name a point of the quantum grid.
+fn words(p: DVec2) -> [u64; 2] {
+    (p / QUANTUM).round().as_i64vec2().to_array().map(|x| x as u64)
+}
+
+/// Reads junctions, streets and cells off the graph.
+pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders) -> Parts {
+    let (streets, graph) = (&sketch.graph, &borders.graph);
+    // A cut that meets a street divides it, so that a street has one cell on each side.
+    let is_junction = |v: VertexIx| {
+        let degree = streets.degree(v);
+        degree > 0 && (degree != 2 || graph.degree(v) != degree)
+    };
+    let id = |v: VertexIx| match sketch.gate_vertices.iter().position(|g| *g == Some(v)) {
+        Some(gate) => sketch.gates[gate].junction,
+        None => {
+            let [x, y] = words(streets.at(v));
+            JunctionId::of(&[settlement.0, 0x6a, x, y])
+        }
+    };
+    let junctions =
+        streets.vertices().filter(|v| is_junction(*v)).map(|v| Junction { id: id(v), at: streets.at(v) }).collect();
+    // Street and direction of each edge of the sketch.
+    let slots = streets.edges().map(|(e, _)| e as usize + 1).max().unwrap_or(0);
+    let mut along = vec![(usize::MAX, true); slots];
+    let mut mains = Vec::new();
+    for chain in streets.chains(is_junction) {
+        let vertices = streets.chain_vertices(&chain);
+        let line: Vec<DVec2> = vertices.iter().map(|v| streets.at(*v)).collect();
+        for (e, forward) in &chain {
+            along[*e as usize] = (mains.len(), *forward);
+        }
+        let (from, to) = (id(vertices[0]), id(vertices[vertices.len() - 1]));
+        let [x, y] = words(point_at(&line, line_length(&line) / 2.0).0);
+        let name = StreetId::of(&[settlement.0, 0x6d, from.0.min(to.0), from.0.max(to.0), x, y]);
+        let street = Street::new(name, streets.edge(chain[0].0).data, from, to, line);
+        mains.push(MainStreet { street, left: usize::MAX, right: usize::MAX });
+    }
+    let mut cells = Vec::new();
+    for face in graph.faces().into_iter().filter(|f| f.area() > 0.0) {
+        let side_of = |i: usize| {
+            let h = face.walk[i];
+            let (main, forward) = *along.get(*borders.edges.get(h.edge as usize)? as usize)?;
+            Some((main, forward == h.forward))
+        };
+        for (main, forward) in (0..face.walk.len()).filter_map(side_of) {
+            let street = &mut mains[main];
+            *(if forward { &mut street.left } else { &mut street.right }) = cells.len();
+        }
+        cells.push(cell(settlement, &face, side_of, |i| is_junction(face.vertices[i])));
+    }
+    Parts { junctions, mains, cells }
+}
+
+/// The cell of a face. `side_of` gives the main street of a half-edge and whether it runs along its line.
+fn cell(
+    settlement: SettlementId,
+    face: &Face,
+    side_of: impl Fn(usize) -> Option<(usize, bool)>,
+    is_junction: impl Fn(usize) -> bool,
+) -> MainCell {
+    let n = face.walk.len();
+    // A side begins where the street changes; a street that comes back to where it began does so at its junction.
+    let begins = |i: usize| {
+        let (before, here) = (side_of((i + n - 1) % n), side_of(i));
+        before != here || (here.is_some() && is_junction(i))
+    };
+    let first = (0..n).find(|i| begins(*i)).unwrap_or(0);
+    let border: Vec<DVec2> = (0..n).map(|i| face.polygon[(first + i) % n]).collect();
+    let mut sides: Vec<CellSide> = Vec::new();
+    for i in 0..n {
+        let k = (first + i) % n;
+        if i == 0 || begins(k) {
+            let side = side_of(k);
+            let (main, forward) = (side.map(|s| s.0), side.is_none_or(|s| s.1));
+            sides.push(CellSide { main, forward, first: i, count: 0 });
+        }
+        if let Some(side) = sides.last_mut() {
+            side.count += 1;
+        }
+    }
+    // No two cells walk the same half-edge.
+    let half_edge = |i: usize| {
+        let ([ax, ay], [bx, by]) = (words(border[i]), words(border[(i + 1) % n]));
+        [ax, ay, bx, by]
+    };
+    let name = (0..n).map(half_edge).min().unwrap_or_default();
+    let id = CellId(stable_hash(&[settlement.0, 0x63, name[0], name[1], name[2], name[3]]));
+    MainCell { id, anchor: pole(&border, 4.0).0, border, sides }
+}

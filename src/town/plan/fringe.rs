@@ -1,0 +1,233 @@
+//! The graph of main streets and outline, and the cuts that divide the fringe between them.
+
+use super::sketch::Sketch;
+use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
+use crate::space::{Bounds, closest_on_segment};
+use glam::DVec2;
+
+/// Least angle between a cut and what it meets, in radians.
+const CUT_ANGLE: f64 = 0.65;
+/// Distance that cuts keep from streets and outline, in metres.
+const CUT_GAP: f64 = 30.0;
+/// Fringe cells larger than this share of a cell of regular growth are divided.
+const WIDE: f64 = 1.25;
+
+/// Least length of main streets along both parts of a divided fringe cell, in metres: what has no street stays empty.
+const LEAST_FRONTAGE: f64 = 110.0;
+/// Number of cuts that are tried in one face.
+const MOST_TRIES: usize = 120;
+/// Width of a regular cell in villages, whose streets are short, in metres.
+const LEAST_WIDTH: f64 = 170.0;
+
+/// Edges of the graph carry the class of the main street, `None` on the outline and on cuts. Vertices and edges of the
+/// sketch come first, in their order; then the vertices of the outline that are no gates.
+pub(super) type BorderGraph = PlanarGraph<Option<StreetClass>>;
+
+/// Main streets, outline and cuts: every inner face is a main cell.
+pub(super) struct Borders {
+    pub graph: BorderGraph,
+    /// For each of the first edges of `graph`, the sketch's edge that it copies.
+    pub edges: Vec<EdgeIx>,
+}
+
+/// A cut that could divide a face.
+struct Cut {
+    score: f64,
+    from: VertexIx,
+    to: VertexIx,
+}
+
+/// Joins the network and the outline, and cuts the fringe into cells.
+pub(super) fn borders(sketch: &Sketch) -> Borders {
+    let mut graph = BorderGraph::new();
+    for v in sketch.graph.vertices() {
+        graph.add_vertex(sketch.graph.at(v));
+    }
+    let mut edges = Vec::new();
+    for (e, edge) in sketch.graph.edges() {
+        graph.add_edge(edge.a, edge.b, Some(edge.data));
+        edges.push(e);
+    }
+    let streets = graph.vertex_count() as VertexIx;
+    let ring: Vec<VertexIx> = (0..sketch.outline.len())
+        .map(|i| {
+            let gate = sketch.gates.iter().position(|g| g.vertex == i);
+            gate.and_then(|g| sketch.gate_vertices[g]).unwrap_or_else(|| graph.add_vertex(sketch.outline[i]))
+        })
+        .collect();
+    for i in 0..ring.len() {
+        graph.add_edge(ring[i], ring[(i + 1) % ring.len()], None);
+    }
+    let fringe = Fringe { sketch, streets, ring };
+    fringe.join(&mut graph);
+    fringe.divide(&mut graph);
+    Borders { graph, edges }
+}
+
+struct Fringe<'a> {
+    sketch: &'a Sketch<'a>,
+    /// Vertices below this index are the network's.
+    streets: VertexIx,
+    /// Vertices of the outline.
+    ring: Vec<VertexIx>,
+}
+
+impl Fringe<'_> {
+    /// Without a gate nothing joins the network to the outline: the nicest cut does.
+    fn join(&self, graph: &mut BorderGraph) {
+        if self.sketch.gate_vertices.iter().any(Option::is_some) {
+            return;
+        }
+        let mut cuts = Vec::new();
+        for from in (0..self.streets).filter(|v| graph.degree(*v) > 0) {
+            for &to in &self.ring {
+                let score = graph.at(from).distance(graph.at(to)) + self.vertex_cost(graph, from);
+                cuts.push(Cut { score, from, to });
+            }
+        }
+        cuts.sort_by(|a, b| a.score.total_cmp(&b.score));
+        // A triangulation of the fringe has an edge from the network to the outline, so the second search finds one.
+        let found = cuts.iter().find(|c| fits(graph, c, true)).or_else(|| cuts.iter().find(|c| fits(graph, c, false)));
+        if let Some(cut) = found {
+            graph.add_edge(cut.from, cut.to, None);
+        }
+    }
+
+    /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
+    fn divide(&self, graph: &mut BorderGraph) {
+        let regular = self.sketch.rules.length.max(LEAST_WIDTH) * self.sketch.rules.length.max(LEAST_WIDTH);
+        // Faces without a good cut, by the first half-edge and length of their walk: nothing changes these.
+        let mut whole = Vec::new();
+        for _ in 0..8 {
+            let mut changed = false;
+            for face in graph.faces() {
+                let area = face.area();
+                if area <= 0.0 {
+                    continue;
+                }
+                let twice = walked_twice(&face);
+                let on_outline = face.walk.iter().any(|h| {
+                    let e = graph.edge(h.edge);
+                    e.data.is_none() && e.a >= self.streets && e.b >= self.streets
+                });
+                if twice.is_none() && (!on_outline || area < WIDE * regular) {
+                    continue;
+                }
+                let name = (face.walk[0], face.walk.len());
+                if !whole.contains(&name) {
+                    let cut = self.cut(graph, &face, twice, regular);
+                    changed |= cut;
+                    if !cut {
+                        whole.push(name);
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Cuts one face; whether a cut was found.
+    fn cut(&self, graph: &mut BorderGraph, face: &Face, twice: Option<(usize, usize)>, regular: f64) -> bool {
+        let (n, area, length) = (face.walk.len(), face.area(), self.sketch.rules.length);
+        let separates = |i: usize, j: usize| {
+            twice.is_none_or(|(p, q)| {
+                let within = |k: usize| k > i.min(j) && k < i.max(j);
+                within(p) != within(q) && ![p, q].contains(&i) && ![p, q].contains(&j)
+            })
+        };
+        // Twice the area swept from the walk's first point up to each of its points, and the length of streets up to it.
+        let o = face.polygon[0];
+        let (mut swept, mut front) = (vec![0.0; n], vec![0.0; n + 1]);
+        for i in 0..n {
+            let street = graph.edge(face.walk[i].edge).data.is_some();
+            let length = face.polygon[i].distance(face.polygon[(i + 1) % n]);
+            front[i + 1] = front[i] + if street { length } else { 0.0 };
+        }
+        for i in 1..n {
+            swept[i] = swept[i - 1] + (face.polygon[i - 1] - o).perp_dot(face.polygon[i] - o);
+        }
+        let part =
+            |i: usize, j: usize| (swept[j] - swept[i] + (face.polygon[j] - o).perp_dot(face.polygon[i] - o)) / 2.0;
+        let mut cuts = Vec::new();
+        for i in 0..n {
+            let from = face.vertices[i];
+            if from >= self.streets || self.sketch.is_gate(from) {
+                continue;
+            }
+            for j in (0..n).filter(|j| face.vertices[*j] >= self.streets && separates(i, *j)) {
+                let to = face.vertices[j];
+                let distance = graph.at(from).distance(graph.at(to));
+                if twice.is_none() && distance > 2.0 * length {
+                    continue;
+                }
+                let part = part(i.min(j), i.max(j));
+                let least = part.min(area - part);
+                let frontage = front[i.max(j)] - front[i.min(j)];
+                let frontage = frontage.min(front[n] - frontage);
+                if twice.is_none() && (least < 0.3 * regular || frontage < LEAST_FRONTAGE) {
+                    continue;
+                }
+                let balance = (least / area).max(0.02);
+                let score = distance + self.vertex_cost(graph, from) + 0.35 * length * (0.5 / balance - 1.0);
+                cuts.push(Cut { score, from, to });
+            }
+        }
+        cuts.sort_by(|a, b| a.score.total_cmp(&b.score));
+        let tries = if twice.is_some() { cuts.len() } else { MOST_TRIES };
+        let mut found = cuts.iter().take(tries).find(|c| fits(graph, c, true));
+        if found.is_none() && twice.is_some() {
+            found = cuts.iter().find(|c| fits(graph, c, false));
+        }
+        if let Some(cut) = found {
+            graph.add_edge(cut.from, cut.to, None);
+        }
+        found.is_some()
+    }
+
+    /// What it costs, in metres, to cut from a vertex: a cut from within a street divides the street.
+    fn vertex_cost(&self, graph: &BorderGraph, v: VertexIx) -> f64 {
+        if graph.degree(v) == 2 { 60.0 } else { 0.0 }
+    }
+}
+
+/// First place of a walk that is visited again later, as the indices of both visits; with room between them.
+fn walked_twice(face: &Face) -> Option<(usize, usize)> {
+    let mut visits: Vec<(VertexIx, usize)> = face.vertices.iter().copied().zip(0..).collect();
+    visits.sort_unstable();
+    let n = face.walk.len();
+    // The pair that is farthest apart leaves the most room for a cut.
+    let pairs = visits.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| (w[0].1, w[1].1));
+    pairs.max_by_key(|(p, q)| ((q - p).min(n - (q - p)), std::cmp::Reverse(*p)))
+}
+
+/// Whether a cut crosses nothing, and meets and passes everything at decent angles and distances (`well`) or at least at
+/// some angle.
+fn fits(graph: &BorderGraph, cut: &Cut, well: bool) -> bool {
+    let (a, b) = (graph.at(cut.from), graph.at(cut.to));
+    let at_end = |e: EdgeIx| {
+        let edge = graph.edge(e);
+        [edge.a, edge.b].iter().any(|v| *v == cut.from || *v == cut.to)
+    };
+    let least = if well { CUT_ANGLE } else { 0.05 };
+    if graph.edge_between(cut.from, cut.to).is_some()
+        || graph.smallest_angle(cut.from, b - a) < least
+        || graph.smallest_angle(cut.to, a - b) < least
+        || graph.first_hit(a, b, at_end).is_some()
+    {
+        return false;
+    }
+    let length = a.distance(b);
+    let gap = CUT_GAP.min(0.25 * length);
+    // Distance to what is near but not met, with less of it near both ends.
+    let clear = |e: EdgeIx| {
+        let (c, d) = graph.segment(e);
+        let near = |p: DVec2| {
+            let (t, q) = closest_on_segment(p, a, b);
+            q.distance(p) >= gap.min(0.5 * length * t.min(1.0 - t))
+        };
+        at_end(e) || (near(c) && near(d))
+    };
+    !well || graph.edges_near(Bounds::of([a, b]).grown(gap)).into_iter().all(clear)
+}

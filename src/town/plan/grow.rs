@@ -1,0 +1,201 @@
+//! Parametric growth of main streets (Teng 2017, section 2, Fig. 3, and the constraints of section 3.3): from a queue of
+//! vertices, streets are proposed, connected, clipped, or discarded.
+
+use super::sketch::{End, Sketch, tidy};
+use crate::layer::{Cancel, LayerError};
+use crate::network::VertexIx;
+use crate::space::math::{angle_between, angle_of, direction, rotate, smoothstep, turn};
+use crate::space::{Bounds, Stream, closest_on_line, closest_on_segment, line_length, point_at, segments};
+use crate::town::DirectionField;
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// Distance between the points of inflexion of a street that follows a curved field, in metres.
+pub(super) const STEP: f64 = 52.0;
+
+/// Grows the network from the centre outwards. Every street starts at what is there already, so the result is one component.
+pub(super) fn grow(
+    sketch: &mut Sketch,
+    field: &DirectionField,
+    stream: &mut Stream,
+    cancel: &Cancel,
+) -> Result<(), LayerError> {
+    let centre = sketch.graph.add_vertex(DVec2::ZERO);
+    let mut queue: Vec<(f64, VertexIx)> = vec![(0.0, centre)];
+    while let Some(i) = (0..queue.len()).min_by(|a, b| queue[*a].0.total_cmp(&queue[*b].0).then(a.cmp(b))) {
+        cancel.check()?;
+        let (_, v) = queue.swap_remove(i);
+        for heading in headings(sketch, field, stream, v) {
+            let before = sketch.graph.vertex_count() as VertexIx;
+            let Some(end) = propose(sketch, field, stream, v, heading) else { continue };
+            // New are the points of inflexion, too: only the end grows on.
+            let new_junction = sketch.graph.degree(end) != 2;
+            if end >= before && new_junction {
+                queue.push((sketch.graph.at(end).length(), end));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Headings of the streets to propose at a vertex: enough for a degree drawn from the style's range.
+fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: VertexIx) -> Vec<DVec2> {
+    let (rules, g, at) = (&sketch.rules, &sketch.graph, sketch.graph.at(v));
+    let (low, high) = rules.degree;
+    // The centre is where streets meet.
+    let target = if v == 0 { high } else { low + stream.index(high - low + 1) };
+    let wanted = target.saturating_sub(g.degree(v));
+    let there: Vec<DVec2> = g.neighbours(v).map(|w| (g.at(w) - at).normalize_or_zero()).collect();
+    let cross = direction(field.angle(at));
+    let mut arms = [cross, cross.perp(), -cross, -cross.perp()];
+    for i in (1..4).rev() {
+        arms.swap(i, stream.index(i + 1));
+    }
+    // Streets that run through come first.
+    arms.sort_by_key(|a| !there.iter().any(|d| d.dot(*a) < -0.9));
+    let mut all = there.clone();
+    let mut out = Vec::new();
+    let mut take = |heading: DVec2, all: &mut Vec<DVec2>| {
+        if out.len() < wanted && all.iter().all(|d| angle_between(*d, heading) >= rules.angle) {
+            all.push(heading);
+            out.push(heading);
+        }
+    };
+    for arm in arms {
+        let through = there.iter().copied().find(|d| d.dot(arm) < -0.9);
+        let (from, swing) = match through {
+            Some(d) => ((arm - d).normalize_or_zero(), 0.35),
+            None => (arm, 1.0),
+        };
+        take(rotate(from, rules.angle_deviation * swing * stream.signed()), &mut all);
+    }
+    for _ in 4..target {
+        // More than a cross has: into the widest gap.
+        let mut angles: Vec<f64> = all.iter().map(|d| angle_of(*d)).collect();
+        angles.sort_by(f64::total_cmp);
+        let gap = |i: usize| match angles.get(i + 1) {
+            Some(next) => next - angles[i],
+            None => angles[0] + TAU - angles[i],
+        };
+        if let Some(i) = (0..angles.len()).max_by(|a, b| gap(*a).total_cmp(&gap(*b)).then(b.cmp(a))) {
+            take(direction(angles[i] + gap(i) / 2.0), &mut all);
+        }
+    }
+    out
+}
+
+/// Proposes a street from `v`, connects or clips it, and adds it if it keeps to the rules. Its end.
+fn propose(
+    sketch: &mut Sketch,
+    field: &DirectionField,
+    stream: &mut Stream,
+    v: VertexIx,
+    heading: DVec2,
+) -> Option<VertexIx> {
+    let (rules, limits) = (sketch.rules, sketch.limits());
+    let mut length = rules.length + rules.deviation * stream.signed();
+    let (start, at) = (End::Vertex(v), sketch.graph.at(v));
+    if let Some(hub) = field.hub() {
+        // Streets away from the hub end on common rings, so that these close.
+        let out = (at - hub).normalize_or(heading);
+        if out.dot(heading) > 0.9 {
+            let radius = at.distance(hub);
+            let ring = (radius / rules.length + 0.4).floor() + 1.0;
+            length = ring * rules.length - radius;
+        }
+    }
+    let traced = trace(field, at, heading, length + rules.snap);
+    for (end, at) in attachments(sketch, v, &traced, length) {
+        let path = bend_to(&traced, at);
+        if sketch.fits(&path, start, end, &limits) {
+            return Some(sketch.add(&path, start, end).1);
+        }
+    }
+    // Nothing to attach to: the street ends free, and shorter where it would come too near to the outline.
+    let shortest = rules.min_length.max(0.6 * length);
+    for share in [1.0, 0.8, 0.6] {
+        let length = (length * share).max(shortest);
+        let path = bend_to(&traced, point_at(&traced, length).0);
+        if sketch.fits(&path, start, End::Free, &limits) {
+            return Some(sketch.add(&path, start, End::Free).1);
+        }
+    }
+    None
+}
+
+/// A line of `length` metres that leaves `from` with `heading` and then follows the field.
+fn trace(field: &DirectionField, from: DVec2, heading: DVec2, length: f64) -> Vec<DVec2> {
+    let deviation = turn(field.along(from + heading, heading), heading);
+    let steps = (length / STEP).ceil().max(1.0);
+    let step = length / steps;
+    let (mut p, mut d) = (from, heading);
+    let mut out = vec![from];
+    for i in 0..steps as usize {
+        if i > 0 {
+            // A small deviation fades, so that streets of one field stay beside each other.
+            let fade = if deviation.abs() > 0.35 { 1.0 } else { 1.0 - i as f64 / steps };
+            let middle = p + d * (step / 2.0);
+            d = rotate(field.along(middle, rotate(d, -deviation * fade)), deviation * fade);
+        }
+        p += d * step;
+        out.push(p);
+    }
+    out
+}
+
+/// What the traced line may be connected to, best first: where it crosses a street, or what lies within the snap radius
+/// of its end.
+fn attachments(sketch: &Sketch, v: VertexIx, traced: &[DVec2], length: f64) -> Vec<(End, DVec2)> {
+    let (g, snap) = (&sketch.graph, sketch.rules.snap);
+    let hit = segments(traced).enumerate().find_map(|(i, (a, b))| {
+        let hit = g.first_hit(a, b, |e| i == 0 && g.edges_at(v).contains(&e))?;
+        Some((hit, line_length(&traced[..=i]) + a.distance(hit.at)))
+    });
+    let tip = hit.as_ref().map_or_else(|| point_at(traced, length).0, |(h, _)| h.at);
+    let mut vertices = Vec::new();
+    let mut edges = Vec::new();
+    for e in g.edges_near(Bounds::of([tip]).grown(snap)) {
+        let (a, b) = g.segment(e);
+        let (_, foot) = closest_on_segment(tip, a, b);
+        if foot.distance(tip) <= snap {
+            edges.push((End::Edge(e, foot), foot));
+        }
+        let edge = g.edge(e);
+        for w in [edge.a, edge.b] {
+            if w != v && g.at(w).distance(tip) <= snap {
+                vertices.push((End::Vertex(w), g.at(w)));
+            }
+        }
+    }
+    // Junctions and ends before points of inflexion, then by distance.
+    let rank = |x: &(End, DVec2)| match x.0 {
+        End::Vertex(w) => (g.degree(w) == 2, x.1.distance(tip)),
+        _ => (false, x.1.distance(tip)),
+    };
+    let by_rank = |x: &(End, DVec2), y: &(End, DVec2)| {
+        let (a, b) = (rank(x), rank(y));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    };
+    vertices.sort_by(by_rank);
+    vertices.dedup();
+    edges.sort_by(by_rank);
+    let (junctions, inflexions): (Vec<_>, Vec<_>) = vertices.into_iter().partition(|x| !rank(x).0);
+    let clip = hit.map(|(h, _)| (End::Edge(h.edge, h.at), h.at));
+    junctions.into_iter().chain(clip).chain(edges).chain(inflexions).collect()
+}
+
+/// The traced line cut off where it comes nearest to `at`, and bent to end there.
+fn bend_to(traced: &[DVec2], at: DVec2) -> Vec<DVec2> {
+    let (along, nearest) = closest_on_line(at, traced);
+    let parts = (along / STEP).round().max(1.0);
+    let shift = at - nearest;
+    // A straight street turns as a whole; a curved one keeps its heading at both ends.
+    let (end, _) = point_at(traced, along);
+    let straight = end.distance(traced[0]) > 0.9995 * along;
+    let at_part = |i: usize| {
+        let t = i as f64 / parts;
+        let weight = if straight { t } else { smoothstep(0.0, 1.0, t) };
+        if i == parts as usize { at } else { point_at(traced, along * t).0 + shift * weight }
+    };
+    tidy((0..=parts as usize).map(at_part).collect())
+}
