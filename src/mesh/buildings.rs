@@ -86,9 +86,11 @@ fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &
     let wall = blend(wall, [0.5; 3], pick(4, 20) as f32 / 100.0);
     let tiles = ROOFS[(stable_hash(&[block, 8]) as usize % 3 * 2 + pick(5, 2)) % ROOFS.len()];
 
-    walls(out, plan, base, eaves, wall);
-    let shape = if full { roof(plan, of.storeys, lot.map(|l| &l.polygon[..2]), of.id) } else { Roof::Flat };
+    let shape = roof(plan, of.storeys, lot.map(|l| &l.polygon[..2]), of.id);
     let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
+    // A box keeps the colour of its roof and some of its height.
+    let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + 1.2) };
+    walls(out, plan, base, eaves, wall);
     shape.build(out, plan, eaves, colour, wall);
     cap(out, plan, base, false, wall);
     floor

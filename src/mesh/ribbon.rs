@@ -1,6 +1,6 @@
 //! Streets between their junctions: carriageway, pavements, kerbs and markings along a centre line; bridges.
 
-use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Surface;
 use crate::network::{Street, StreetClass};
 use crate::space::{cut_line, left_normal, line_length, point_at, resample};
@@ -159,9 +159,10 @@ pub(super) fn far_street(surface: &mut Surface<'_>, out: &mut MeshBuffers, stree
         return;
     }
     let (left, right) = (beside(&street.line, half), beside(&street.line, -half));
+    let colour = blend(carriageway_colour(street.class), PAVEMENT, (street.class.pavement() / half) as f32);
     for i in 0..street.line.len() - 1 {
         let quad = [right[i], right[i + 1], left[i + 1], left[i]];
-        surface.lay_quad(out, quad, FAR_LIFT, carriageway_colour(street.class));
+        surface.lay_quad(out, quad, FAR_LIFT, colour);
     }
 }
 

@@ -175,12 +175,6 @@ fn streets_are_covered_once_and_kerbs_never_cross_them() {
         let crossing = raised
             .clone()
             .filter(|(p, _)| streets.iter().any(|s| distance_to_line(*p, &s.line) < s.class.carriageway() / 2.0 - 0.3));
-        if std::env::var("SHOW").is_ok() {
-            for (p, l) in crossing.clone() {
-                eprintln!("CROSS {seed} {p} {l}");
-            }
-            eprintln!("{} {}", crossing.clone().count(), raised.clone().count());
-        }
         assert!(crossing.count() * 500 < raised.count(), "seed {seed}: pavement on a carriageway");
     }
 }
@@ -247,75 +241,4 @@ fn bridges_span_and_long_roads_leave_the_square() {
     let cancel = Cancel::new();
     cancel.cancel();
     assert!(build(&chunk, &Hills, Detail::Full, &cancel).is_err());
-}
-
-#[test]
-#[ignore]
-fn dump() {
-    let mut rules = ParcelRules::default();
-    for k in 0..3u64 {
-        if k == 1 {
-            rules = ParcelRules {
-                lot_width: (10.0, 18.0),
-                lot_depth: 22.0,
-                setback_front: 0.0,
-                setback_side: 0.0,
-                storeys: (3, 6),
-                ..rules
-            };
-        }
-        if k == 2 {
-            rules = ParcelRules {
-                lot_width: (6.0, 9.0),
-                lot_depth: 25.0,
-                setback_front: 1.5,
-                setback_side: 0.0,
-                building_depth: 10.0,
-                min_area: 60.0,
-                storeys: (2, 3),
-                ..rules
-            };
-        }
-        let chunk = if k == 0 { town(20, 80.0, &rules) } else { town(k + 40, 88.0, &rules) };
-        for detail in [Detail::Full, Detail::Reduced] {
-            let t = std::time::Instant::now();
-            let n = 10;
-            for _ in 0..n {
-                meshes(&chunk, detail);
-            }
-            let ms = t.elapsed().as_secs_f64() * 1e3 / n as f64;
-            let m = meshes(&chunk, detail);
-            let km: f64 = chunk.streets.iter().map(|s| s.street.length()).sum::<f64>() / 1e3;
-            println!(
-                "seed {k} {detail:?} {ms:.2} ms; {km:.1} km, {} buildings; tris ground {} water {} roads {} buildings {}; verts {}",
-                chunk.footprints.len(),
-                m.ground.indices.len() / 3,
-                m.water.indices.len() / 3,
-                m.roads.indices.len() / 3,
-                m.buildings.indices.len() / 3 + m.windows.indices.len() / 3,
-                m.windows.positions.len()
-                    + m.ground.positions.len()
-                    + m.roads.positions.len()
-                    + m.buildings.positions.len()
-            );
-            let mut bytes: Vec<u8> = vec![];
-            for part in [&m.ground, &m.water, &m.roads, &m.buildings, &m.windows] {
-                bytes.extend((part.positions.len() as u32).to_le_bytes());
-                bytes.extend((part.indices.len() as u32).to_le_bytes());
-                for v in part
-                    .positions
-                    .iter()
-                    .flatten()
-                    .chain(part.normals.iter().flatten())
-                    .chain(part.colours.iter().flatten())
-                {
-                    bytes.extend(v.to_le_bytes());
-                }
-                for i in &part.indices {
-                    bytes.extend(i.to_le_bytes());
-                }
-            }
-            std::fs::write(format!("/tmp/mesh{k}{detail:?}.bin"), bytes).unwrap();
-        }
-    }
 }

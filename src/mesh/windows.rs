@@ -24,6 +24,9 @@ const TALL: f64 = 1.4;
 /// Half the width and the height of a door.
 const DOOR: (f64, f64) = (0.55, 2.1);
 
+/// Storeys from which a wall has one band of glass a storey instead of windows.
+const BANDED: u32 = 7;
+
 /// A building whose walls get windows.
 pub(super) struct Storeys<'a> {
     pub plan: &'a [DVec2],
@@ -59,21 +62,29 @@ pub(super) fn windows(
         if neighbours.iter().any(|(bounds, plan)| bounds.contains(beside) && point_in_polygon(beside, plan)) {
             continue;
         }
+        let mut pane = |out: &mut MeshBuffers, middle: DVec2, half: f64, low: f64, high: f64, colour: Rgb| {
+            let (p, q) = (middle - u * half + outwards * BEFORE, middle + u * half + outwards * BEFORE);
+            if low + 0.1 > surface.height(middle + outwards * BEFORE) {
+                out.face(&[p.extend(low), q.extend(low), q.extend(high), p.extend(high)], colour);
+            }
+        };
+        if of.count >= BANDED {
+            for storey in 0..of.count {
+                let low = of.floor + f64::from(storey) * STOREY + SILL;
+                pane(out, (a + b) / 2.0, length / 2.0 - ENDS, low, low + TALL, GLASS);
+            }
+            continue;
+        }
         let door = (door_wall == Some(i)).then(|| (stable_hash(&[of.id, 21]) % count as u64) as usize);
         for column in 0..count as usize {
             let middle = a + u * (length / 2.0 + (column as f64 - (count - 1.0) / 2.0) * PITCH);
-            let ground = surface.height(middle + outwards * BEFORE);
             for storey in 0..of.count {
                 let floor = of.floor + f64::from(storey) * STOREY;
                 let is_door = storey == 0 && door == Some(column);
                 let (half, low, high) =
                     if is_door { (DOOR.0, floor, floor + DOOR.1) } else { (HALF, floor + SILL, floor + SILL + TALL) };
-                if low + 0.1 < ground {
-                    continue;
-                }
-                let (p, q) = (middle - u * half + outwards * BEFORE, middle + u * half + outwards * BEFORE);
                 let colour = if is_door { DOORS[(of.id % DOORS.len() as u64) as usize] } else { GLASS };
-                out.face(&[p.extend(low), q.extend(low), q.extend(high), p.extend(high)], colour);
+                pane(out, middle, half, low, high, colour);
             }
         }
     }

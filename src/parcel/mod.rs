@@ -37,7 +37,7 @@ pub struct ParcelBrief<'a> {
 pub enum BlockUse {
     /// Lots with buildings.
     Built,
-    /// A park.
+    /// A park, or land without room for a lot.
     Park,
 }
 

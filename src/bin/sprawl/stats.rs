@@ -274,7 +274,7 @@ mod tests {
         let mut junctions = BTreeMap::new();
         let streets = lines.iter().enumerate().map(|(i, line)| {
             let line = line.map(|p| DVec2::new(p.0, p.1)).to_vec();
-            line.iter().for_each(|p| drop(junctions.insert(id(*p), *p)));
+            junctions.extend(line.iter().map(|p| (id(*p), *p)));
             let street = Street::new(StreetId(i as u64), StreetClass::Local, id(line[0]), id(line[1]), line);
             Owned { chunk, it: PlacedStreet { street, made_by: None } }
         });

@@ -126,7 +126,7 @@ impl Canvas {
             .collect();
         let mut free = FreeGrid::new(brief.border, cap);
         walls.iter().for_each(|w| free.stamp(w.a, w.b));
-        let mut canvas = Self { graph: PlanarGraph::new(), nodes: Vec::new(), free, walls };
+        let mut canvas = Self { graph: PlanarGraph::without_index(), nodes: Vec::new(), free, walls };
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), open: false, target: 1 });
         }
@@ -194,10 +194,12 @@ impl Canvas {
                 near.segs.push(Seg { a: w.a, b: w.b, low, high, edge: NONE, va: NONE, vb: NONE, floor: w.floor });
             }
         }
-        for edge in self.graph.edges_near(bounds) {
-            let e = self.graph.edge(edge);
+        for (edge, e) in self.graph.edges() {
             let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-            near.segs.push(Seg { a, b, low: a.min(b), high: a.max(b), edge, va: e.a, vb: e.b, floor: 0.0 });
+            let (low, high) = (a.min(b), a.max(b));
+            if bounds.overlaps(Bounds::new(low, high)) {
+                near.segs.push(Seg { a, b, low, high, edge, va: e.a, vb: e.b, floor: 0.0 });
+            }
         }
     }
 

@@ -4,8 +4,6 @@
 mod canvas;
 mod free;
 mod growth;
-#[cfg(test)]
-mod look;
 mod output;
 mod patches;
 mod place;
@@ -62,8 +60,12 @@ struct Work<'a> {
     straightness: f64,
     /// Share of T junctions that growth goes on from, across the street that was met.
     crossings: f64,
+    /// How much the field draws streets: 0 not at all, 1 wholly.
+    field_pull: f64,
     /// The geometry of each patch.
     shapes: Vec<Shape>,
+    /// Dead-end streets shorter than this that do not start at a port are removed.
+    stump: f64,
     /// How often each patch was used, and whether it keeps the rules inside itself.
     used: Vec<PatchUse>,
     near: Near,
@@ -86,6 +88,7 @@ impl<'a> Work<'a> {
             min_bend: 1.75,
             min_piece: local.min_length.clamp(18.0, 40.0),
             max_degree: (local.degree.1 as usize).clamp(3, 5),
+            min_round: 3.0 * local.length,
         };
         let relaxed = Limits {
             gap: 20.0_f64.min(limits.gap),
@@ -94,13 +97,14 @@ impl<'a> Work<'a> {
             min_bend: 1.45,
             min_piece: 16.0,
             max_degree: limits.max_degree.max(4),
+            min_round: 2.6 * local.length,
         };
         let cap = limits.gap + 6.0;
-        let (straightness, crossings) = match brief.style.main.field {
-            FieldKind::Grid => (0.98, 0.75),
-            FieldKind::Radial => (0.88, 0.4),
-            FieldKind::Contours => (0.82, 0.25),
-            FieldKind::Organic => (0.75, 0.2),
+        let (straightness, crossings, field_pull, stump) = match brief.style.main.field {
+            FieldKind::Grid => (0.98, 0.75, 1.0, 1.1),
+            FieldKind::Radial => (0.88, 0.4, 0.75, 0.9),
+            FieldKind::Contours => (0.82, 0.25, 0.75, 0.5),
+            FieldKind::Organic => (0.75, 0.2, 0.5, 0.8),
         };
         Self {
             brief,
@@ -112,6 +116,8 @@ impl<'a> Work<'a> {
             relaxed,
             straightness,
             crossings,
+            field_pull,
+            stump: stump * local.length,
             shapes: brief.patches.patches.iter().map(|p| Shape::new(p)).collect(),
             used: vec![PatchUse::default(); brief.patches.patches.len()],
             near: Near::default(),
@@ -157,16 +163,11 @@ impl<'a> Work<'a> {
             return None;
         }
         let bisector = angles[widest] + gap(widest) / 2.0;
-        let blend = match self.brief.style.main.field {
-            FieldKind::Grid => 1.0,
-            FieldKind::Radial | FieldKind::Contours => 0.75,
-            FieldKind::Organic => 0.5,
-        };
         let off = self.brief.field.angle(at) - bisector;
         let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
         // A street never bends more at once than this to follow the field.
-        let most = if n == 1 { 0.35 } else { gap(widest) / 2.0 - self.limits.min_angle };
-        Some(math::direction(bisector + (off * blend).clamp(-most.min(PI / 4.0), most.min(PI / 4.0))))
+        let most = if n == 1 { 0.16 } else { gap(widest) / 2.0 - self.limits.min_angle };
+        Some(math::direction(bisector + (off * self.field_pull).clamp(-most.min(PI / 4.0), most.min(PI / 4.0))))
     }
 
     /// Collects the obstacles around a point.

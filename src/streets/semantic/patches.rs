@@ -6,12 +6,16 @@ use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use super::shape::{STRETCH, is_sound};
 use crate::network::VertexIx;
+use crate::patch::Connectable;
 use crate::space::math::rotate;
 use crate::streets::MadeBy;
 use glam::DVec2;
 
 /// Vertices that breadth-first tries to reach, the nearest first.
 const TARGETS: usize = 4;
+
+/// Least length of a patch whose arms are led on, as a share of the distance to bridge.
+const LEAST_CORE: f64 = 0.3;
 
 /// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
 const CHECKED: usize = 24;
@@ -93,6 +97,10 @@ impl Work<'_> {
         for (d, w) in targets {
             let target = self.canvas.graph.at(w);
             let Some(beyond) = self.canvas.onward(w) else { continue };
+            let line = (target - at) / d;
+            if onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness {
+                self.stretched(v, at, w, target, &mut found);
+            }
             for (patch, pair) in self.brief.patches.pairs_near(d, STRETCH * d) {
                 let weight = self.weight(patch);
                 if weight <= 0.0 {
@@ -131,6 +139,84 @@ impl Work<'_> {
             }
         }
         false
+    }
+
+    /// Collects the placements of patches that run straight between `v` and `w` and are too short for it: their arms are
+    /// led on. Such a patch may be moved along the line, and is, to where its other arms face loose ends.
+    fn stretched(
+        &mut self,
+        v: VertexIx,
+        at: DVec2,
+        w: VertexIx,
+        target: DVec2,
+        found: &mut Vec<(f64, Placement, usize, VertexIx)>,
+    ) {
+        let patches = self.brief.patches;
+        let d = at.distance(target);
+        let line = (target - at) / d;
+        let mut tips: Vec<(f64, f64)> = Vec::new();
+        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
+            for (u, p) in [(s.va, s.a), (s.vb, s.b)] {
+                let place = (line.dot(p - at), line.perp_dot(p - at));
+                let faces = self.canvas.onward(u).is_some_and(|o| line.perp_dot(o) * place.1 < -0.9 * place.1.abs());
+                if u != v && u != w && place.0 > 0.0 && place.0 < d && faces && self.canvas.is_dead_end(u) {
+                    tips.push(place);
+                }
+            }
+        }
+        let shortest = LEAST_CORE * d;
+        let longest = (1.0 - STRETCH) * d;
+        let entries = patches.pair_entries_near((shortest + longest) / 2.0, (longest - shortest) / 2.0);
+        for entry in entries.iter().filter(|e| e.leaves.abs() < 0.12 && e.arrives.abs() < 0.12) {
+            let weight = self.weight(entry.patch);
+            if weight <= 0.0 {
+                continue;
+            }
+            let p = &patches.patches[entry.patch];
+            let pair = p.pairs[entry.pair];
+            let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
+            let spare = d - pair.distance;
+            for (a, b) in [(a, b), (b, a)] {
+                let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
+                for mirrored in [false, true] {
+                    let laid = |shift: f64| {
+                        Placement::new(
+                            (entry.patch, a.vertex, pa),
+                            pb - pa,
+                            mirrored,
+                            at + line * shift,
+                            line * pair.distance,
+                        )
+                    };
+                    // Where the other arms meet the tips that they face, else anywhere.
+                    let arm = |c: &Connectable| laid(0.0).map(p.vertices[c.vertex]) - at;
+                    let others =
+                        p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex).map(arm);
+                    let mut best = (0.0, self.rng.range(0.0, spare));
+                    for arm in others.clone() {
+                        for tip in &tips {
+                            let shift = tip.0 - line.dot(arm);
+                            if !(0.0..=spare).contains(&shift) {
+                                continue;
+                            }
+                            let met = others.clone().filter(|o| {
+                                let (x, y) = (line.dot(*o) + shift, line.perp_dot(*o));
+                                tips.iter().any(|t| (t.0 - x).abs() < 8.0 && t.1 * y > 0.0)
+                            });
+                            let met = met.count() as f64;
+                            if met > best.0 {
+                                best = (met, shift);
+                            }
+                        }
+                    }
+                    let placement = laid(best.1);
+                    if self.roughly_fits(&placement, at, Some(target)) {
+                        let rating = (0.7 + 0.3 * best.0) * weight * self.rng.range(0.7, 1.3);
+                        found.push((rating, placement, b.vertex, w));
+                    }
+                }
+            }
+        }
     }
 
     /// Looks for a patch that goes on from `v` in the given direction.

@@ -75,7 +75,10 @@ impl Work<'_> {
             if slots[v] == NONE {
                 slots[v] = p.points.len() as u32;
                 let (at, join) = match (v == placement.start, end) {
-                    (true, _) => (placement.map(patch.vertices[v]), start),
+                    (true, _) => match start {
+                        Join::At(w) => (self.canvas.graph.at(w), start),
+                        _ => (placement.map(patch.vertices[v]), start),
+                    },
                     (_, Some((e, target))) if e == v => (self.canvas.graph.at(target), Join::At(target)),
                     _ => (placement.map(patch.vertices[v]), Join::Free(false)),
                 };
@@ -133,14 +136,21 @@ impl Work<'_> {
             // What lies less far ahead than the gap must be met or kept away from.
             let reach = length + if last { snap.max(limits.gap) } else { 0.0 };
             let leaving = if k == 0 { leaving } else { NONE };
-            let Some((i, t, at)) = self.near.ray(from, from + direction * reach, leaving) else {
+            let hit = self.near.ray(from, from + direction * reach, leaving);
+            let ahead = hit.map_or(reach, |h| h.1 * reach);
+            if last && let Some((v, p)) = self.facing_end(from, direction, length, ahead, leaving) {
+                let mut met = line[..=k].to_vec();
+                met.push(p);
+                return Some((met, Join::At(v)));
+            }
+            let Some((i, _, at)) = hit else {
                 before += length;
                 continue;
             };
             let s = self.near.segs[i];
             if s.is_wall() {
                 let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
-                let room = before + reach * t - limits.wall_gap.max(s.floor) / sine - 0.1;
+                let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
                 let cut = room.min(before + length);
                 return (cut >= LEAST_END).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
             }
@@ -154,29 +164,38 @@ impl Work<'_> {
             met.push(end);
             return Some((met, join));
         }
-        // Nothing ahead: a loose end beside the end, near enough to bend to.
-        let (from, to) = (line[line.len() - 2], line[line.len() - 1]);
+        Some((line.to_vec(), Join::Free(true)))
+    }
+
+    /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
+    /// metres away, about where a street of `length` metres ends or beyond.
+    fn facing_end(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        length: f64,
+        ahead: f64,
+        leaving: VertexIx,
+    ) -> Option<(VertexIx, DVec2)> {
+        let snap = self.brief.style.local.snap_radius;
         let mut best: Option<(VertexIx, DVec2, f64)> = None;
         for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
             for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let d = p.distance(to);
-                if v != leaving
-                    && d < snap
-                    && self.canvas.is_dead_end(v)
-                    && (p - from).normalize_or_zero().dot((to - from).normalize_or_zero()) > self.straightness
-                    && best.is_none_or(|b| d < b.2)
-                {
-                    best = Some((v, p, d));
+                let along = (p - from).dot(direction);
+                if v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                    continue;
+                }
+                let off = direction.perp_dot(p - from).abs();
+                let straight = along >= self.straightness * from.distance(p);
+                if straight && best.is_none_or(|b| off < b.2) && self.canvas.is_dead_end(v) {
+                    let faces = self.canvas.onward(v).is_some_and(|o| o.dot(from - p) >= 0.7 * from.distance(p));
+                    if faces {
+                        best = Some((v, p, off));
+                    }
                 }
             }
         }
-        let mut line = line.to_vec();
-        let join = best.map_or(Join::Free(true), |(v, p, _)| {
-            line.pop();
-            line.push(p);
-            Join::At(v)
-        });
-        Some((line, join))
+        best.map(|(v, p, _)| (v, p))
     }
 
     /// Whether the last edges of the proposal's arms, which may have been moved, keep the rules towards the rest of it.

@@ -99,6 +99,8 @@ pub(super) struct Limits {
     pub min_piece: f64,
     /// Greatest number of streets at a junction.
     pub max_degree: usize,
+    /// Least way around a block.
+    pub min_round: f64,
 }
 
 /// An edge near a joint along the network, with the distances of its ends along the network.
@@ -126,6 +128,22 @@ struct Joint {
 impl Joint {
     fn incident(&self, s: &Seg) -> bool {
         !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
+    }
+
+    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
+    fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
+        let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
+        let around = around.fold(f64::INFINITY, f64::min);
+        let through = self.reached.iter().filter(|x| {
+            let (va, vb) = (canvas.graph.edge(x.edge).a, canvas.graph.edge(x.edge).b);
+            x.edge == other.edge || (other.vertex != NONE && (va == other.vertex || vb == other.vertex))
+        });
+        let through = through.map(|x| {
+            let e = canvas.graph.edge(x.edge);
+            let (da, db) = if x.va == e.a { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
+            (da + canvas.graph.at(e.a).distance(other.at)).min(db + canvas.graph.at(e.b).distance(other.at))
+        });
+        through.fold(around, f64::min)
     }
 
     /// Distance along the network from the joint to the point `r` of an obstacle.
@@ -165,6 +183,9 @@ impl Checker {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
+        let joints = (0..p.points.len()).filter(|i| p.joined(*i)).count();
+        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
+        let reach = if joints > 1 { gaps.max(limits.min_round) } else { gaps };
         for point in 0..p.points.len() {
             if !p.joined(point) {
                 continue;
@@ -181,7 +202,7 @@ impl Checker {
             };
             let fits = self.joint_fits(canvas, p, &mut joint, limits);
             if fits {
-                self.measure_around(canvas, &mut joint, 2.0 * limits.gap.max(limits.wall_gap).max(30.0));
+                self.measure_around(canvas, &mut joint, reach);
             }
             let fits = fits
                 && (joint.vertex != NONE && canvas.graph.degree(joint.vertex) != 2 || parts_stay_apart(&joint, near));
@@ -190,15 +211,13 @@ impl Checker {
                 return false;
             }
         }
-        for (i, j) in self.joints.iter().enumerate() {
-            for k in &self.joints[..i] {
-                let same = (j.vertex != NONE && j.vertex == k.vertex) || j.at.distance(k.at) < limits.min_piece;
-                if same {
-                    return false;
-                }
-            }
-        }
-        true
+        self.joints.iter().enumerate().all(|(i, j)| {
+            self.joints[..i].iter().all(|k| {
+                let apart = j.at.distance(k.at);
+                let same = (j.vertex != NONE && j.vertex == k.vertex) || apart < limits.min_piece;
+                !same && apart + j.way_to(k, canvas) >= limits.min_round
+            })
+        })
     }
 
     /// Checks angles, degree and the lengths of the pieces at a joint, and marks the edges that lead to it.

@@ -5,13 +5,14 @@ use super::canvas::NONE;
 use super::proposal::{Join, Limits};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
-use crate::space::{Bounds, centroid, math::rotate};
+use crate::space::{
+    Bounds, centroid,
+    math::{angle_of, rotate},
+};
 use crate::streets::MadeBy;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Dead-end streets shorter than this that do not start at a port are removed.
-const STUMP: f64 = 30.0;
+use std::f64::consts::FRAC_PI_2;
 
 /// Connections that are checked exactly for one dead end or one block.
 const TRIES: usize = 10;
@@ -82,7 +83,7 @@ impl Work<'_> {
             }
         }
         let ahead = self.near.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
-        for share in [22.0, 40.0, 60.0, 80.0] {
+        for share in [34.0, 52.0, 75.0] {
             if share > ahead - 18.0 {
                 break;
             }
@@ -109,7 +110,14 @@ impl Work<'_> {
         // Streets meet rather square than aslant.
         let s = &self.near.segs[i];
         let slant = (s.b - s.a).normalize_or_zero().dot((end - from).normalize_or_zero()).abs();
-        Some((end, join, from.distance(end) * (1.0 + slant)))
+        Some((end, join, from.distance(end) * (1.0 + slant) * self.off_field(from, end)))
+    }
+
+    /// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
+    fn off_field(&self, from: DVec2, end: DVec2) -> f64 {
+        let off = angle_of(end - from) - self.brief.field.angle((from + end) / 2.0);
+        let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
+        1.0 + 2.5 * self.field_pull * off.abs()
     }
 
     /// Builds the cheapest of the given streets that keeps to `limits`.
@@ -126,7 +134,7 @@ impl Work<'_> {
 
     fn remove_stumps(&mut self) {
         loop {
-            let stump = self.dead_ends().into_iter().find(|(length, _, at_port)| *length < STUMP && !at_port);
+            let stump = self.dead_ends().into_iter().find(|(length, _, at_port)| *length < self.stump && !at_port);
             let Some((_, v, _)) = stump else { break };
             if self.canvas.remove_dead_end(v).is_none() {
                 break;
@@ -138,7 +146,7 @@ impl Work<'_> {
     fn lengthen_stubs(&mut self) {
         let local = &self.brief.style.local;
         for (length, v, at_port) in self.dead_ends() {
-            if !at_port || length > STUMP {
+            if !at_port || length > 30.0 {
                 continue;
             }
             let (at, Some(onward)) = (self.canvas.graph.at(v), self.canvas.onward(v)) else { continue };
@@ -204,7 +212,7 @@ impl Work<'_> {
 
     /// Faces between local streets and the border, each with the local edge of every step of its walk.
     fn blocks(&self) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
-        let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::new();
+        let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
         let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
         let mut known: BTreeSet<(VertexIx, VertexIx)> = BTreeSet::new();
         let mut add = |graph: &mut PlanarGraph<Option<EdgeIx>>, a: DVec2, b: DVec2, edge: Option<EdgeIx>| {

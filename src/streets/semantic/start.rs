@@ -35,8 +35,8 @@ impl Work<'_> {
     /// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` for
     /// patches that are not laid on a main street or leave it more than once.
     fn initial_root(&self, patch: usize) -> Option<(usize, DVec2)> {
+        let main = self.brief.patches.facts(patch).main.as_ref()?;
         let patch = &self.brief.patches.patches[patch];
-        let main = patch.main_line()?;
         let &[root] = main.attachments.as_slice() else { return None };
         let along = patch.vertices[main.to] - patch.vertices[main.from];
         (patch.edges_at(root).filter(|e| !patch.edges[*e].main).count() == 1)
