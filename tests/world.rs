@@ -40,7 +40,7 @@ proptest! {
         turn in 0usize..9,
     ) {
         let mut settings = Settings::default();
-        settings.settlements.town_spacing = towns;
+        settings.settlements.spacing.town = towns;
         let forward = world(seed, &settings);
         let coords = block(built_up(&forward, DVec2::new(far as f64, -(far as f64) / 2.0)));
         let get = |w: &World, c: &ChunkCoord| print(&w.chunk(*c, &Cancel::new()).expect("not cancelled"));

@@ -63,12 +63,13 @@ pub struct PlanarGraph<E> {
     positions: Vec<DVec2>,
     around: Vec<Vec<EdgeIx>>,
     edges: Vec<Option<Edge<E>>>,
-    index: RTree<Indexed>,
+    /// `None` in a graph without an index.
+    index: Option<RTree<Indexed>>,
 }
 
 impl<E> Default for PlanarGraph<E> {
     fn default() -> Self {
-        Self { positions: Vec::new(), around: Vec::new(), edges: Vec::new(), index: RTree::new() }
+        Self { positions: Vec::new(), around: Vec::new(), edges: Vec::new(), index: Some(RTree::new()) }
     }
 }
 
@@ -76,6 +77,12 @@ impl<E: Clone> PlanarGraph<E> {
     /// A graph without vertices.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A graph without vertices whose searches look at every edge: faster than an index for up to a few hundred edges,
+    /// and where only its topology is asked for. It answers the same.
+    pub fn without_index() -> Self {
+        Self { index: None, ..Self::default() }
     }
 
     /// Adds a vertex at `p`, rounded to the quantum grid.
@@ -92,14 +99,20 @@ impl<E: Clone> PlanarGraph<E> {
         self.edges.push(Some(Edge { a, b, data }));
         self.around[a as usize].push(edge);
         self.around[b as usize].push(edge);
-        self.index.insert(Indexed { edge, a: self.at(a), b: self.at(b) });
+        let indexed = Indexed { edge, a: self.at(a), b: self.at(b) };
+        if let Some(index) = &mut self.index {
+            index.insert(indexed);
+        }
         edge
     }
 
     /// Removes an edge; its ends stay.
     pub fn remove_edge(&mut self, edge: EdgeIx) -> Option<Edge<E>> {
         let removed = self.edges.get_mut(edge as usize)?.take()?;
-        self.index.remove(&Indexed { edge, a: self.at(removed.a), b: self.at(removed.b) });
+        let indexed = Indexed { edge, a: self.at(removed.a), b: self.at(removed.b) };
+        if let Some(index) = &mut self.index {
+            index.remove(&indexed);
+        }
         for v in [removed.a, removed.b] {
             self.around[v as usize].retain(|e| *e != edge);
         }
@@ -184,8 +197,15 @@ impl<E: Clone> PlanarGraph<E> {
 
     /// Edges whose box overlaps `bounds`, sorted by index so that the tree's shape does not matter.
     pub fn edges_near(&self, bounds: Bounds) -> Vec<EdgeIx> {
+        let Some(index) = &self.index else {
+            let near = |e: &Edge<E>| {
+                let (a, b) = (self.at(e.a), self.at(e.b));
+                bounds.overlaps(Bounds::new(a.min(b), a.max(b)))
+            };
+            return self.edges().filter(|(_, e)| near(e)).map(|(i, _)| i).collect();
+        };
         let envelope = AABB::from_corners(bounds.min.to_array(), bounds.max.to_array());
-        let mut found: Vec<_> = self.index.locate_in_envelope_intersecting(envelope).map(|i| i.edge).collect();
+        let mut found: Vec<_> = index.locate_in_envelope_intersecting(envelope).map(|i| i.edge).collect();
         found.sort_unstable();
         found
     }
@@ -333,6 +353,7 @@ impl<E: Clone> PlanarGraph<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2Swizzles;
 
     #[test]
     fn split_hit_clear_and_chain() {
@@ -353,6 +374,23 @@ mod tests {
         assert_eq!(chains.len(), 3);
         assert!(chains.iter().any(|ch| g.chain_vertices(ch) == [a, b, m]));
         assert_eq!(g.components().iter().flatten().max(), Some(&0));
+    }
+
+    #[test]
+    fn searches_are_the_same_without_an_index() {
+        let mut s = crate::space::Seed(5).stream("test", &[]);
+        let mut graphs = [PlanarGraph::new(), PlanarGraph::without_index()];
+        for i in 0..200u32 {
+            let p = DVec2::new(s.range(0.0, 900.0), s.range(0.0, 900.0));
+            let remove = s.chance(0.2).then(|| s.index(i as usize) as u32);
+            for g in &mut graphs {
+                let (a, b) = (g.add_vertex(p), g.add_vertex(p.yx() * 0.5 + 9.0));
+                g.add_edge(a, b, i);
+                remove.map(|e| g.remove_edge(e));
+            }
+            let around = Bounds::square(p, s.range(1.0, 400.0));
+            assert_eq!(graphs[0].edges_near(around), graphs[1].edges_near(around));
+        }
     }
 
     #[test]

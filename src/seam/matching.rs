@@ -1,20 +1,260 @@
-//! Matching.
-use crate::network::Network;
-use crate::seam::{CellPort, Seam};
-use crate::space::Seed;
-use crate::town::{Style, Town};
+//! Proposing ports on both sides of a main street, and matching them across it.
+
+use super::stub::{Hand, Spot, has_room};
+use crate::network::{JunctionId, StreetClass};
+use crate::seam::{Port, Seam};
+use crate::space::{QUANTUM, Seed};
+use crate::town::{FieldKind, MainStreet, Style, Town};
+
+/// Step of the search for a place where a proposal has room, in metres.
+const SEARCH_STEP: f64 = 4.0;
+
+/// A place with what attaches to it.
+#[derive(Clone, Copy, Debug)]
+struct Attached {
+    spot: Spot,
+    left: Option<StreetClass>,
+    right: Option<StreetClass>,
+}
+
+impl Attached {
+    fn one(spot: Spot, hand: Hand, class: StreetClass) -> Self {
+        match hand {
+            Hand::Left => Self { spot, left: Some(class), right: None },
+            Hand::Right => Self { spot, left: None, right: Some(class) },
+        }
+    }
+
+    fn has(&self, hand: Hand) -> bool {
+        match hand {
+            Hand::Left => self.left.is_some(),
+            Hand::Right => self.right.is_some(),
+        }
+    }
+
+    /// Whether both may be ports of one street.
+    fn suits(&self, other: &Self, least: f64) -> bool {
+        (self.spot.along - other.spot.along).abs() >= least
+            && [Hand::Left, Hand::Right]
+                .into_iter()
+                .all(|h| !(self.has(h) && other.has(h)) || self.spot.apart(&other.spot, h))
+    }
+}
 
 /// The seams of a town, one for each of [`Town::mains`].
-pub fn seams(_seed: Seed, _town: &Town, _style: &Style) -> Vec<Seam> {
-    todo!()
+///
+/// Both sides of a street propose ports, each from a stream of its own; proposals are paired by PatchCity's cost
+/// (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one crossing, and what
+/// stays alone is a T. Cells that got fewer than two ports then get more where there is room.
+pub fn seams(seed: Seed, town: &Town, style: &Style) -> Vec<Seam> {
+    let mut all: Vec<Vec<Attached>> = (0..town.mains.len()).map(|main| seam(seed, town, style, main)).collect();
+    supply_cells(town, style, &mut all);
+    let port = |main: &MainStreet, a: &Attached| {
+        let [x, y] = (a.spot.at / QUANTUM).round().as_i64vec2().to_array().map(|v| v as u64);
+        let junction = JunctionId::of(&[main.street.id.0, 0x70, x, y]);
+        Port { junction, along: a.spot.along, at: a.spot.at, left: a.left, right: a.right }
+    };
+    let seam =
+        |(main, list): (&MainStreet, Vec<Attached>)| Seam { ports: list.iter().map(|a| port(main, a)).collect() };
+    town.mains.iter().zip(all).map(seam).collect()
 }
 
-/// The ports of cell `cell` (index into [`Town::cells`]), in order around its border.
-pub fn cell_ports(_town: &Town, _seams: &[Seam], _cell: usize) -> Vec<CellPort> {
-    todo!()
+/// The ports of one street.
+fn seam(seed: Seed, town: &Town, style: &Style, main: usize) -> Vec<Attached> {
+    let left = proposals(seed, town, style, main, Hand::Left);
+    let right = proposals(seed, town, style, main, Hand::Right);
+    let place = |list: &[(Spot, StreetClass)]| list.iter().map(|(s, c)| (s.along, *c)).collect::<Vec<_>>();
+    let pairs = pair(&place(&left), &place(&right), cutoff(style));
+    let mut crossings = Vec::new();
+    let (mut left_alone, mut right_alone) = (vec![true; left.len()], vec![true; right.len()]);
+    for (i, j) in pairs {
+        let ((a, class_left), (b, class_right)) = (left[i], right[j]);
+        let middle = (a.along + b.along) / 2.0;
+        let room = |s: &Spot| has_room(town, main, s, Hand::Left) && has_room(town, main, s, Hand::Right);
+        let spread = (a.along - b.along).abs() / 2.0;
+        if let Some(spot) = settle(&town.mains[main], middle, spread, room) {
+            crossings.push(Attached { spot, left: Some(class_left), right: Some(class_right) });
+            (left_alone[i], right_alone[j]) = (false, false);
+        }
+    }
+    let alone = |list: &[(Spot, StreetClass)], free: &[bool], hand: Hand| {
+        let kept = list.iter().zip(free).filter(|(_, free)| **free);
+        kept.map(|((spot, class), _)| Attached::one(*spot, hand, *class)).collect::<Vec<_>>()
+    };
+    let mut singles = alone(&left, &left_alone, Hand::Left);
+    singles.extend(alone(&right, &right_alone, Hand::Right));
+    singles.sort_by(|a, b| a.spot.along.total_cmp(&b.spot.along).then(b.has(Hand::Left).cmp(&a.has(Hand::Left))));
+    // Where ports would stand too close, single ones go before pairs.
+    let mut out: Vec<Attached> = Vec::new();
+    for one in crossings.into_iter().chain(singles) {
+        if out.iter().all(|other| other.suits(&one, style.seam.min_spacing)) {
+            out.push(one);
+        }
+    }
+    sort(&mut out);
+    out
 }
 
-/// The main streets divided at the ports, with all their junctions.
-pub fn main_network(_town: &Town, _seams: &[Seam]) -> Network {
-    todo!()
+fn sort(ports: &mut [Attached]) {
+    ports.sort_by(|a, b| a.spot.along.total_cmp(&b.spot.along));
+}
+
+/// Proposals of one side, in order along the street, all with room for their stubs.
+fn proposals(seed: Seed, town: &Town, style: &Style, main: usize, hand: Hand) -> Vec<(Spot, StreetClass)> {
+    let street = &town.mains[main];
+    let rules = &style.seam;
+    let mut stream = seed.stream("seam", &[street.street.id.0, hand as u64]);
+    let usable = street.street.length() - 2.0 * rules.min_spacing;
+    if usable <= 0.0 {
+        return Vec::new();
+    }
+    let count = (usable / rules.spacing).round().max(1.0);
+    let step = usable / count;
+    // Where streets were surveyed, both sides of a street count alike; elsewhere each has its own rhythm.
+    let phase = if style.main.field == FieldKind::Organic { 0.3 * stream.signed() } else { 0.0 };
+    let mut out: Vec<(Spot, StreetClass)> = Vec::new();
+    for i in 0..count as usize {
+        let even = rules.min_spacing + (i as f64 + 0.5 + phase) * step;
+        let along = even + rules.jitter * rules.spacing * stream.signed();
+        let clear = |s: &Spot| {
+            let last = out.last().is_none_or(|(o, _)| s.along >= o.along + rules.min_spacing && s.apart(o, hand));
+            last && has_room(town, main, s, hand)
+        };
+        if let Some(spot) = settle(street, along, 0.4 * step, clear) {
+            out.push((spot, StreetClass::Local));
+        }
+    }
+    out
+}
+
+/// The place nearest to `along`, at most `reach` metres from it, that is `good`.
+fn settle(street: &MainStreet, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -> Option<Spot> {
+    let length = street.street.length();
+    let steps = (reach / SEARCH_STEP).floor() as usize;
+    let tries = std::iter::once(along).chain((1..=steps).flat_map(|i| {
+        let d = i as f64 * SEARCH_STEP;
+        [along + d, along - d]
+    }));
+    tries.filter(|s| *s > 0.0 && *s < length).find_map(|s| Spot::near(street, s).filter(&good))
+}
+
+/// Distance along the street up to which proposals of the two sides become one crossing.
+fn cutoff(style: &Style) -> f64 {
+    let share = match style.main.field {
+        FieldKind::Grid => 0.5,
+        FieldKind::Radial | FieldKind::Contours => 0.4,
+        FieldKind::Organic => 0.25,
+    };
+    share * style.seam.spacing
+}
+
+/// PatchCity's cost of joining two streets across a seam (section 3.1, equations 2 to 4).
+fn cost(a: (f64, StreetClass), b: (f64, StreetClass)) -> f64 {
+    let (distance, wide, narrow) = (a.0 - b.0, a.1.carriageway(), b.1.carriageway());
+    let ratio = wide.max(narrow) / wide.min(narrow);
+    distance * distance * ratio * wide * narrow
+}
+
+/// The order-preserving pairs of least total cost; to stay alone costs half of what a pair at the cut-off distance does.
+fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) -> Vec<(usize, usize)> {
+    let alone = |p: (f64, StreetClass)| cost(p, (p.0 + cutoff, p.1)) / 2.0;
+    let (n, m) = (left.len(), right.len());
+    let mut best = vec![vec![0.0; m + 1]; n + 1];
+    for i in 0..=n {
+        for j in 0..=m {
+            let mut least = if i + j == 0 { 0.0 } else { f64::INFINITY };
+            if i > 0 {
+                least = best[i - 1][j] + alone(left[i - 1]);
+            }
+            if j > 0 {
+                least = least.min(best[i][j - 1] + alone(right[j - 1]));
+            }
+            if i > 0 && j > 0 {
+                least = least.min(best[i - 1][j - 1] + cost(left[i - 1], right[j - 1]));
+            }
+            best[i][j] = least;
+        }
+    }
+    let (mut i, mut j, mut out) = (n, m, Vec::new());
+    while i > 0 && j > 0 {
+        if best[i][j] == best[i - 1][j] + alone(left[i - 1]) {
+            i -= 1;
+        } else if best[i][j] == best[i][j - 1] + alone(right[j - 1]) {
+            j -= 1;
+        } else {
+            (i, j) = (i - 1, j - 1);
+            out.push((i, j));
+        }
+    }
+    out.reverse();
+    out
+}
+
+/// Gives cells with fewer than two ports more, where there is room: a T, or else the other arm of one.
+fn supply_cells(town: &Town, style: &Style, all: &mut [Vec<Attached>]) {
+    for cell in &town.cells {
+        let mut sides: Vec<(usize, Hand)> = cell
+            .sides
+            .iter()
+            .filter_map(|s| Some((s.main?, if s.forward { Hand::Left } else { Hand::Right })))
+            .collect();
+        sides.sort_by(|a, b| {
+            let length = |s: &(usize, Hand)| town.mains[s.0].street.length();
+            length(b).total_cmp(&length(a)).then(a.0.cmp(&b.0))
+        });
+        let count = |all: &[Vec<Attached>]| -> usize {
+            sides.iter().map(|(main, hand)| all[*main].iter().filter(|a| a.has(*hand)).count()).sum()
+        };
+        for &(main, hand) in sides.iter().chain(&sides) {
+            if count(all) >= 2 {
+                break;
+            }
+            let street = &town.mains[main];
+            let length = street.street.length();
+            let end = style.seam.min_spacing;
+            let good = |s: &Spot| {
+                let new = Attached::one(*s, hand, StreetClass::Local);
+                s.along >= end
+                    && s.along <= length - end
+                    && all[main].iter().all(|a| a.suits(&new, end))
+                    && has_room(town, main, s, hand)
+            };
+            if let Some(spot) = settle(street, length / 2.0, length / 2.0, good) {
+                all[main].push(Attached::one(spot, hand, StreetClass::Local));
+                sort(&mut all[main]);
+                continue;
+            }
+            let arm = (0..all[main].len()).find(|i| {
+                let a = &all[main][*i];
+                let others = || all[main].iter().filter(|b| b.has(hand));
+                !a.has(hand) && others().all(|b| b.spot.apart(&a.spot, hand)) && has_room(town, main, &a.spot, hand)
+            });
+            if let Some(a) = arm.map(|i| &mut all[main][i]) {
+                match hand {
+                    Hand::Left => a.left = Some(StreetClass::Local),
+                    Hand::Right => a.right = Some(StreetClass::Local),
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_near_ordered_and_of_least_cost() {
+        let local = |s: &[f64]| s.iter().map(|x| (*x, StreetClass::Local)).collect::<Vec<_>>();
+        assert_eq!(pair(&local(&[50., 150., 250.]), &local(&[60., 240.]), 45.0), [(0, 0), (2, 1)]);
+        assert_eq!(pair(&local(&[50.]), &local(&[100.]), 45.0), []);
+        // The nearer of two wins.
+        assert_eq!(pair(&local(&[50., 85.]), &local(&[80.]), 45.0), [(1, 0)]);
+        assert_eq!(pair(&[], &local(&[80.]), 45.0), []);
+        // A wide street insists on a wide one; width makes both the pair and staying alone dearer.
+        assert!(
+            cost((0., StreetClass::Local), (20., StreetClass::Main))
+                > cost((0., StreetClass::Local), (20., StreetClass::Local))
+        );
+    }
 }

@@ -2,9 +2,14 @@
 //! they become ports that both cells start from. Reads town and styles; the result is a function of the street, its two
 //! cells and their styles alone, so the padding is that of the town.
 
+mod cut;
 mod matching;
+mod stub;
+#[cfg(test)]
+mod tests;
 
-pub use matching::{cell_ports, main_network, seams};
+pub use cut::{cell_ports, main_network};
+pub use matching::seams;
 
 use crate::network::{JunctionId, StreetClass};
 use glam::DVec2;

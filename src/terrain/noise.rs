@@ -74,16 +74,17 @@ impl Mask {
     }
 }
 
-/// The value that a `share` of a field lies below, found at places many wavelengths apart.
+/// The value that a `share` of a field lies below, found at places many wavelengths apart; beyond all values for 0 and 1.
 fn quantile(seed: Seed, key: u64, wavelength: f64, share: f64, field: impl Fn(DVec2) -> f64) -> f64 {
-    if share >= 1.0 {
-        return f64::INFINITY;
-    }
     let mut stream = seed.stream("terrain", &[key, 1]);
     let mut place = || stream.signed() * wavelength * 500.0;
     let mut values: Vec<f64> = (0..QUANTILE_SAMPLES).map(|_| field(DVec2::new(place(), place()))).collect();
     values.sort_by(f64::total_cmp);
-    if share <= 0.0 { values[0] - 1.0 } else { values[(share * QUANTILE_SAMPLES as f64) as usize] }
+    match (share * QUANTILE_SAMPLES as f64) as usize {
+        0 => values[0] - 10.0,
+        QUANTILE_SAMPLES.. => values[QUANTILE_SAMPLES - 1] + 10.0,
+        i => values[i],
+    }
 }
 
 /// Where land and sea are.
@@ -364,7 +365,7 @@ mod tests {
 
     #[test]
     fn extreme_settings_stay_finite() {
-        let s = TerrainSettings {
+        let most = TerrainSettings {
             sea_share: 0.0,
             hill_share: 1.0,
             mountain_share: 0.8,
@@ -373,10 +374,21 @@ mod tests {
             vegetation: 1.0,
             ..TerrainSettings::default()
         };
-        let t = NoiseTerrain::new(Seed(1), &s);
-        for p in places(1, 1e6, 3000) {
-            let s = t.sample(p);
-            assert!(s.height.is_finite() && s.water_level.is_finite() && s.height < 6000.0);
+        let least = TerrainSettings {
+            hill_share: 0.0,
+            mountain_share: 0.0,
+            lake_share: 0.0,
+            inland_height: 0.0,
+            vegetation: 0.0,
+            ..TerrainSettings::default()
+        };
+        for (settings, highest) in [(most, 6000.0), (least, 60.0)] {
+            assert_eq!(settings.check(), Ok(()));
+            let t = NoiseTerrain::new(Seed(1), &settings);
+            for p in places(1, 1e6, 3000) {
+                let s = t.sample(p);
+                assert!(s.height > -1000.0 && s.height < highest && s.water_level.is_finite(), "{s:?}");
+            }
         }
     }
 }

@@ -104,5 +104,5 @@ fn cell(
     };
     let name = (0..n).map(half_edge).min().unwrap_or_default();
     let id = CellId(stable_hash(&[settlement.0, 0x63, name[0], name[1], name[2], name[3]]));
-    MainCell { id, anchor: pole(&border, 1.0).0, border, sides }
+    MainCell { id, anchor: pole(&border, 4.0).0, border, sides }
 }

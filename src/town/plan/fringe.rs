@@ -2,7 +2,7 @@
 
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
-use crate::space::{Bounds, closest_on_segment, signed_area};
+use crate::space::{Bounds, closest_on_segment};
 use glam::DVec2;
 
 /// Least angle between a cut and what it meets, in radians.
@@ -12,6 +12,10 @@ const CUT_GAP: f64 = 30.0;
 /// Fringe cells larger than this share of a cell of regular growth are divided.
 const WIDE: f64 = 1.25;
 
+/// Least length of main streets along both parts of a divided fringe cell, in metres: what has no street stays empty.
+const LEAST_FRONTAGE: f64 = 110.0;
+/// Number of cuts that are tried in one face.
+const MOST_TRIES: usize = 120;
 /// Width of a regular cell in villages, whose streets are short, in metres.
 const LEAST_WIDTH: f64 = 170.0;
 
@@ -92,6 +96,8 @@ impl Fringe<'_> {
     /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
     fn divide(&self, graph: &mut BorderGraph) {
         let regular = self.sketch.rules.length.max(LEAST_WIDTH) * self.sketch.rules.length.max(LEAST_WIDTH);
+        // Faces without a good cut, by the first half-edge and length of their walk: nothing changes these.
+        let mut whole = Vec::new();
         for _ in 0..8 {
             let mut changed = false;
             for face in graph.faces() {
@@ -107,7 +113,14 @@ impl Fringe<'_> {
                 if twice.is_none() && (!on_outline || area < WIDE * regular) {
                     continue;
                 }
-                changed |= self.cut(graph, &face, twice, regular);
+                let name = (face.walk[0], face.walk.len());
+                if !whole.contains(&name) {
+                    let cut = self.cut(graph, &face, twice, regular);
+                    changed |= cut;
+                    if !cut {
+                        whole.push(name);
+                    }
+                }
             }
             if !changed {
                 break;
@@ -124,6 +137,19 @@ impl Fringe<'_> {
                 within(p) != within(q) && ![p, q].contains(&i) && ![p, q].contains(&j)
             })
         };
+        // Twice the area swept from the walk's first point up to each of its points, and the length of streets up to it.
+        let o = face.polygon[0];
+        let (mut swept, mut front) = (vec![0.0; n], vec![0.0; n + 1]);
+        for i in 0..n {
+            let street = graph.edge(face.walk[i].edge).data.is_some();
+            let length = face.polygon[i].distance(face.polygon[(i + 1) % n]);
+            front[i + 1] = front[i] + if street { length } else { 0.0 };
+        }
+        for i in 1..n {
+            swept[i] = swept[i - 1] + (face.polygon[i - 1] - o).perp_dot(face.polygon[i] - o);
+        }
+        let part =
+            |i: usize, j: usize| (swept[j] - swept[i] + (face.polygon[j] - o).perp_dot(face.polygon[i] - o)) / 2.0;
         let mut cuts = Vec::new();
         for i in 0..n {
             let from = face.vertices[i];
@@ -136,9 +162,11 @@ impl Fringe<'_> {
                 if twice.is_none() && distance > 2.0 * length {
                     continue;
                 }
-                let part = signed_area(&face.polygon[i.min(j)..=i.max(j)]);
+                let part = part(i.min(j), i.max(j));
                 let least = part.min(area - part);
-                if twice.is_none() && least < 0.3 * regular {
+                let frontage = front[i.max(j)] - front[i.min(j)];
+                let frontage = frontage.min(front[n] - frontage);
+                if twice.is_none() && (least < 0.3 * regular || frontage < LEAST_FRONTAGE) {
                     continue;
                 }
                 let balance = (least / area).max(0.02);
@@ -147,7 +175,8 @@ impl Fringe<'_> {
             }
         }
         cuts.sort_by(|a, b| a.score.total_cmp(&b.score));
-        let mut found = cuts.iter().find(|c| fits(graph, c, true));
+        let tries = if twice.is_some() { cuts.len() } else { MOST_TRIES };
+        let mut found = cuts.iter().take(tries).find(|c| fits(graph, c, true));
         if found.is_none() && twice.is_some() {
             found = cuts.iter().find(|c| fits(graph, c, false));
         }

@@ -11,6 +11,9 @@ use glam::DVec2;
 /// Straight piece with which a street leaves its gate, in metres: the road's heading goes on into the town.
 const LEAD: f64 = 26.0;
 
+/// Number of curves that are tried from one place.
+const MOST_TRIES: usize = 160;
+
 /// A curve to a place on the network.
 struct Candidate {
     score: f64,
@@ -49,7 +52,7 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
         ..full
     };
     let steps = [
-        (Limits { turn: 0.42, min_length: 60.0, gap: full.gap.min(65.0), ..full }, 0.0),
+        (Limits { turn: 0.42, min_length: 60.0, gap: 0.85 * full.gap, ..full }, 0.0),
         (easier(50.0, 0.9, 0.45), 0.0),
         (easier(36.0, 0.75, 0.5), 0.35),
         (Limits { ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
@@ -58,7 +61,7 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
     // How far away the network is decides how far to look.
     let near = sketch.graph.nearest_edge(at, 1e6, |_| false).map_or(0.0, |(_, d)| d);
     for (limits, swing) in steps {
-        let reach = near + 1.3 * sketch.rules.length + 120.0;
+        let reach = near + sketch.rules.length + 60.0;
         let swings: &[f64] = if swing == 0.0 { &[0.0] } else { &[0.0, -swing, swing] };
         let mut all: Vec<Candidate> = swings
             .iter()
@@ -68,7 +71,7 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
             })
             .collect();
         all.sort_by(|a, b| a.score.total_cmp(&b.score));
-        for c in all {
+        for c in all.into_iter().take(MOST_TRIES) {
             let mut path = vec![at];
             path.extend(curve(&c));
             let path = tidy(path);
@@ -116,7 +119,7 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
         distance(a).total_cmp(&distance(b)).then(a.cmp(b))
     });
     let full = sketch.limits();
-    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: full.gap.min(80.0), ..full };
+    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: 0.9 * full.gap, ..full };
     for v in tips {
         cancel.check()?;
         let g = &sketch.graph;
@@ -132,7 +135,7 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
             }
         }
         all.sort_by(|a, b| a.score.total_cmp(&b.score));
-        for c in all {
+        for c in all.into_iter().take(MOST_TRIES) {
             let path = tidy(curve(&c));
             if path.len() > 1 && sketch.fits(&path, End::Vertex(v), c.end, &limits) {
                 sketch.add(&path, End::Vertex(v), c.end);
@@ -158,14 +161,14 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
             out.push(Candidate { score, end, from, leaving, at, arriving });
         }
     };
-    let mut seen = Vec::new();
+    let mut seen = vec![false; g.vertex_count()];
     for e in g.edges_near(Bounds::of([from]).grown(reach)) {
         let edge = g.edge(e);
         for v in [edge.a, edge.b] {
-            if seen.contains(&v) || g.at(v) == from || sketch.is_gate(v) {
+            if seen[v as usize] || g.at(v) == from || sketch.is_gate(v) {
                 continue;
             }
-            seen.push(v);
+            seen[v as usize] = true;
             let (p, degree) = (g.at(v), g.degree(v));
             // A loose end is glad of company; a junction where the street runs on is better than one where it stops.
             let extra = match degree {
@@ -189,7 +192,7 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
         let normal = left_normal(b - a).normalize_or_zero();
         let towards = if normal.dot(a - from) < 0.0 { -normal } else { normal };
         let (foot, _) = closest_on_segment(from, a, b);
-        for t in [foot, 0.2, 0.5, 0.8] {
+        for t in [foot, 0.25, 0.75] {
             if t > 0.05 && t < 0.95 {
                 let p = quantize(a.lerp(b, t));
                 offer(End::Edge(e, p), p, towards, 120.0);
@@ -211,7 +214,7 @@ pub(super) fn smooth(from: DVec2, leaving: DVec2, to: DVec2, arriving: DVec2) ->
     let (p1, p2) = (from + leaving * (0.37 * distance), to - arriving * (0.37 * distance));
     let turns = angle_between(leaving, to - from) + angle_between(to - from, arriving);
     // Short steps where it bends, so that no point of inflexion is a corner.
-    let parts = (distance / STEP).max(turns / 0.3).round().clamp(1.0, 40.0);
+    let parts = (distance / STEP).max(turns / 0.24).round().clamp(1.0, 40.0);
     (0..=parts as usize)
         .map(|i| {
             let t = i as f64 / parts;

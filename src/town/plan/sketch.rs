@@ -13,7 +13,9 @@ const MAX_GRADE: f64 = 0.16;
 /// Distance between the points at which a proposed street looks at the ground, in metres.
 const GROUND_STEP: f64 = 25.0;
 /// Length of the pieces whose distance to other streets is looked at, in metres.
-const PIECE: f64 = 16.0;
+const PIECE: f64 = 24.0;
+/// Least distance between two points of a street, in metres.
+const SHORTEST: f64 = 8.0;
 /// Distance that streets keep from gates of others, in metres.
 const GATE_ROOM: f64 = 45.0;
 
@@ -182,7 +184,10 @@ impl<'a> Sketch<'a> {
     pub fn fits(&self, path: &[DVec2], start: End, end: End, limits: &Limits) -> bool {
         let n = path.len();
         let turns = || path.windows(3).map(|w| angle_between(w[1] - w[0], w[2] - w[1]));
-        line_length(path) >= limits.min_length
+        let same = matches!((start, end), (End::Edge(e, _), End::Edge(f, _)) if e == f);
+        !same
+            && line_length(path) >= limits.min_length
+            && segments(path).all(|(a, b)| a.distance(b) >= SHORTEST)
             && turns().all(|t| t <= limits.turn)
             && self.end_fits(start, path[1] - path[0], limits)
             && self.end_fits(end, path[n - 2] - path[n - 1], limits)
@@ -213,7 +218,8 @@ impl<'a> Sketch<'a> {
             End::Edge(e, p) => {
                 let edge = g.edge(e);
                 [edge.a, edge.b].iter().all(|v| {
-                    angle_between(g.at(*v) - p, leaving) >= limits.angle
+                    g.at(*v).distance(p) >= SHORTEST
+                        && angle_between(g.at(*v) - p, leaving) >= limits.angle
                         && self.run_reaches(e, edge.other(*v), p, limits.split)
                 })
             }
@@ -274,7 +280,10 @@ impl<'a> Sketch<'a> {
         };
         let at_gate = matches!(start, End::Gate(_));
         segments(path).all(|(from, to)| {
-            let pieces = (from.distance(to) / PIECE).ceil().max(1.0);
+            // Away from the ends the whole segment has to keep the whole distance.
+            let near = room(start, first, from, to).min(room(end, last, from, to)) - from.distance(to) / 2.0;
+            let whole = share * near >= limits.gap && (!at_gate || 0.3 * near >= limits.margin);
+            let pieces = if whole { 1.0 } else { (from.distance(to) / PIECE).ceil().max(1.0) };
             (0..pieces as usize).all(|i| {
                 let (a, b) = (from.lerp(to, i as f64 / pieces), from.lerp(to, (i + 1) as f64 / pieces));
                 let near_start = room(start, first, a, b);

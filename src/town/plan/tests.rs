@@ -21,6 +21,7 @@ fn key(p: DVec2) -> [u64; 2] {
 
 fn check(case: &Case, town: &Town, what: &str) {
     let polygon = &case.outline.polygon;
+    assert!(!town.mains.is_empty(), "{what}: no streets");
     // One component that holds all gates; no dead ends but these.
     let mut g = PlanarGraph::new();
     let mut vertex = BTreeMap::new();

@@ -1,0 +1,108 @@
+//! Whether a port has room for its stub: the guarantee of [`CellPort`](crate::seam::CellPort), checked against the
+//! cell's border.
+
+use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
+use crate::space::math::angle_between;
+use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
+use crate::town::{MainStreet, Town};
+use glam::DVec2;
+
+/// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
+/// [`STUB_CLEARANCE`] of each other whatever the other sides propose, so a street need not know the ports of others.
+const ROOM: f64 = STUB_LENGTH + STUB_CLEARANCE + 2.0;
+/// Distance of ports from points of inflexion, in metres.
+const STRAIGHT: f64 = 8.0;
+/// Bend of a side, in radians, up to which its parts count as one run that stubs stand beside.
+const BEND: f64 = 0.6;
+
+/// A side of a main street.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Hand {
+    /// Left of the street's line.
+    Left,
+    /// Right of it.
+    Right,
+}
+
+/// A place on a main street where a port could be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spot {
+    /// Metres along the street.
+    pub along: f64,
+    /// The place, on the quantum grid.
+    pub at: DVec2,
+    /// Unit direction of the street there.
+    pub direction: DVec2,
+    /// Index of the segment of the street's line.
+    segment: usize,
+}
+
+impl Spot {
+    /// The spot near `along` metres on a street that keeps off points of inflexion; `None` where these are close together.
+    pub fn near(street: &MainStreet, along: f64) -> Option<Self> {
+        let mut start = 0.0;
+        for (segment, (a, b)) in segments(&street.street.line).enumerate() {
+            let length = a.distance(b);
+            if along <= start + length || segment + 2 == street.street.line.len() {
+                if length < 2.0 * STRAIGHT {
+                    return None;
+                }
+                let t = (along - start).clamp(STRAIGHT, length - STRAIGHT);
+                let direction = (b - a) / length;
+                return Some(Self { along: start + t, at: quantize(a + direction * t), direction, segment });
+            }
+            start += length;
+        }
+        None
+    }
+
+    /// Direction of a stub to one hand.
+    pub fn inward(&self, hand: Hand) -> DVec2 {
+        match hand {
+            Hand::Left => left_normal(self.direction),
+            Hand::Right => -left_normal(self.direction),
+        }
+    }
+
+    /// Whether the stubs of two spots of one street and hand are far enough apart.
+    pub fn apart(&self, other: &Self, hand: Hand) -> bool {
+        let end = |s: &Self| s.at + s.inward(hand) * STUB_LENGTH;
+        segment_distance(self.at, end(self), other.at, end(other)) >= STUB_CLEARANCE + 2.0
+    }
+}
+
+/// Whether a stub from `spot` on street `main` to one hand has the room that is promised.
+pub(super) fn has_room(town: &Town, main: usize, spot: &Spot, hand: Hand) -> bool {
+    let street = &town.mains[main];
+    let cell = match hand {
+        Hand::Left => street.left,
+        Hand::Right => street.right,
+    };
+    let Some(cell) = town.cells.get(cell) else { return false };
+    let (from, inward) = (spot.at, spot.inward(hand));
+    let tip = from + inward * STUB_LENGTH;
+    let reach = Bounds::of([from, tip]).grown(ROOM);
+    let n = cell.border.len();
+    cell.sides.iter().all(|side| {
+        let same = side.main == Some(main) && side.forward == (hand == Hand::Left);
+        (0..side.count).all(|i| {
+            let (a, b) = (cell.border[side.first + i], cell.border[(side.first + i + 1) % n]);
+            if !reach.overlaps(Bounds::of([a, b])) {
+                return true;
+            }
+            let segment = if side.forward { i } else { side.count - 1 - i };
+            if !same || !one_run(street, segment, spot) {
+                return segment_distance(from, tip, a, b) >= ROOM;
+            }
+            // A run that bends towards the stub must not come near its end.
+            segment == spot.segment || distance_to_segment(tip, a, b) >= STUB_CLEARANCE + 1.0
+        })
+    })
+}
+
+/// Whether the street bends little between a segment and the spot's.
+fn one_run(street: &MainStreet, segment: usize, spot: &Spot) -> bool {
+    let line = &street.street.line;
+    let (low, high) = (segment.min(spot.segment), segment.max(spot.segment));
+    (low..=high).all(|k| angle_between(line[k + 1] - line[k], spot.direction) <= BEND)
+}

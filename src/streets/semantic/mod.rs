@@ -1,0 +1,196 @@
+//! The default filler: patches chosen by their semantics (Teng 2017, section 3), with parametric growth as fall-back and
+//! a repair pass.
+
+mod canvas;
+mod free;
+mod growth;
+mod output;
+mod patches;
+mod place;
+mod proposal;
+mod repair;
+#[cfg(test)]
+mod sample;
+mod shape;
+mod start;
+#[cfg(test)]
+mod tests;
+
+use crate::layer::{Cancel, LayerError};
+use crate::network::VertexIx;
+use crate::space::{Bounds, Stream, math};
+use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
+use crate::town::FieldKind;
+use canvas::{Canvas, Near};
+use glam::DVec2;
+use patches::PatchUse;
+use proposal::{Checker, Join, Limits, Proposal};
+use shape::Shape;
+use std::collections::VecDeque;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// The default filler: patches chosen by their semantics (Teng 2017).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SemanticPatches;
+
+impl CellFiller for SemanticPatches {
+    fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
+        let mut work = Work::new(brief);
+        work.start();
+        cancel.check()?;
+        work.propagate(cancel)?;
+        work.repair(cancel)?;
+        Ok(work.finish())
+    }
+}
+
+/// A cell while it is being filled.
+struct Work<'a> {
+    brief: &'a CellBrief<'a>,
+    canvas: Canvas,
+    checker: Checker,
+    rng: Stream,
+    /// Candidate vertices of the propagation.
+    queue: VecDeque<VertexIx>,
+    /// Rules of the propagation.
+    limits: Limits,
+    /// Rules of the repair: as near as streets may ever come.
+    relaxed: Limits,
+    /// Least cosine of the bend where a street goes on as another.
+    straightness: f64,
+    /// Share of T junctions that growth goes on from, across the street that was met.
+    crossings: f64,
+    /// How much the field draws streets: 0 not at all, 1 wholly.
+    field_pull: f64,
+    /// The geometry of each patch.
+    shapes: Vec<Shape>,
+    /// Dead-end streets shorter than this that do not start at a port are removed.
+    stump: f64,
+    /// How often each patch was used, and whether it keeps the rules inside itself.
+    used: Vec<PatchUse>,
+    near: Near,
+    proposal: Proposal,
+    built: Vec<VertexIx>,
+    /// Point of the proposal that a vertex of a patch became.
+    slots: Vec<u32>,
+}
+
+impl<'a> Work<'a> {
+    fn new(brief: &'a CellBrief<'a>) -> Self {
+        let local = &brief.style.local;
+        let min_angle = local.min_angle_deg.to_radians();
+        // Blocks much narrower than the style's streets are long look pinched.
+        let gap = local.clearance.max(0.55 * local.length);
+        let limits = Limits {
+            gap,
+            wall_gap: gap,
+            min_angle: min_angle.max(0.7),
+            min_bend: 1.75,
+            min_piece: local.min_length.clamp(18.0, 40.0),
+            max_degree: (local.degree.1 as usize).clamp(3, 5),
+            min_round: 3.0 * local.length,
+        };
+        let relaxed = Limits {
+            gap: 20.0_f64.min(limits.gap),
+            wall_gap: 30.0_f64.min(limits.wall_gap),
+            min_angle: limits.min_angle.min(0.75),
+            min_bend: 1.45,
+            min_piece: 16.0,
+            max_degree: limits.max_degree.max(4),
+            min_round: 2.6 * local.length,
+        };
+        let cap = limits.gap + 6.0;
+        let (straightness, crossings, field_pull, stump) = match brief.style.main.field {
+            FieldKind::Grid => (0.98, 0.75, 1.0, 1.1),
+            FieldKind::Radial => (0.88, 0.4, 0.75, 0.9),
+            FieldKind::Contours => (0.82, 0.25, 0.75, 0.5),
+            FieldKind::Organic => (0.75, 0.2, 0.5, 0.8),
+        };
+        Self {
+            brief,
+            canvas: Canvas::new(brief, cap),
+            checker: Checker::default(),
+            rng: brief.seed.stream("streets", &[brief.id.0]),
+            queue: VecDeque::new(),
+            limits,
+            relaxed,
+            straightness,
+            crossings,
+            field_pull,
+            stump: stump * local.length,
+            shapes: brief.patches.patches.iter().map(|p| Shape::new(p)).collect(),
+            used: vec![PatchUse::default(); brief.patches.patches.len()],
+            near: Near::default(),
+            proposal: Proposal::default(),
+            built: Vec::new(),
+            slots: Vec::new(),
+        }
+    }
+
+    /// Network propagation (Teng 2017, algorithm 1).
+    fn propagate(&mut self, cancel: &Cancel) -> Result<(), LayerError> {
+        let mut steps = 0usize;
+        while let Some(v) = self.queue.pop_front() {
+            steps += 1;
+            if steps % 16 == 0 {
+                cancel.check()?;
+            }
+            let degree = self.canvas.graph.degree(v);
+            if degree == 0 || degree >= self.limits.max_degree || !self.canvas.nodes[v as usize].open {
+                continue;
+            }
+            let Some(direction) = self.direction(v) else { continue };
+            let at = self.canvas.graph.at(v);
+            let made = degree == 1 && self.attach_patch(v, at, direction);
+            if !made {
+                self.grow(v, at, direction);
+            }
+        }
+        Ok(())
+    }
+
+    /// Propagation direction of a vertex: the bisector of the largest angle between its streets (Teng 2017, Fig. 6),
+    /// drawn towards the nearest direction of the field. `None` where no street fits between the others.
+    fn direction(&mut self, v: VertexIx) -> Option<DVec2> {
+        let g = &self.canvas.graph;
+        let at = g.at(v);
+        let mut angles: Vec<f64> = g.neighbours(v).map(|w| math::angle_of(g.at(w) - at)).collect();
+        angles.sort_by(f64::total_cmp);
+        let n = angles.len();
+        let gap = |i: usize| if i + 1 < n { angles[i + 1] - angles[i] } else { angles[0] + TAU - angles[i] };
+        let widest = (0..n).max_by(|a, b| gap(*a).total_cmp(&gap(*b)))?;
+        if gap(widest) < 2.0 * self.limits.min_angle {
+            return None;
+        }
+        let bisector = angles[widest] + gap(widest) / 2.0;
+        let off = self.brief.field.angle(at) - bisector;
+        let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
+        // A street never bends more at once than this to follow the field.
+        let most = if n == 1 { 0.16 } else { gap(widest) / 2.0 - self.limits.min_angle };
+        Some(math::direction(bisector + (off * self.field_pull).clamp(-most.min(PI / 4.0), most.min(PI / 4.0))))
+    }
+
+    /// Collects the obstacles around a point.
+    fn gather(&mut self, at: DVec2, reach: f64) {
+        self.canvas.gather(Bounds::of([at]), reach, &mut self.near);
+    }
+
+    /// Builds the proposal if it keeps to `limits` towards what is in `near`.
+    fn build_if_fits(&mut self, limits: &Limits, made_by: MadeBy) -> bool {
+        let fits = self.checker.check(&self.canvas, &self.proposal, &self.near, limits);
+        if fits {
+            self.canvas.build(&self.proposal, made_by, &mut self.built);
+        }
+        fits
+    }
+
+    /// Makes some of the T junctions that were just built candidates, so that streets go on across the one they met.
+    fn cross_over(&mut self) {
+        for i in 0..self.built.len() {
+            if matches!(self.proposal.joins[i], Join::On(_)) && self.rng.chance(self.crossings) {
+                self.canvas.nodes[self.built[i] as usize].target = 4;
+                self.queue.push_back(self.built[i]);
+            }
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! The choice of patches: breadth-first between two vertices, depth-first from one (Teng 2017, algorithms 2 and 3).
+
+use super::Work;
+use super::canvas::nearest;
+use super::place::Placement;
+use super::proposal::{Join, Proposal};
+use super::shape::{STRETCH, is_sound};
+use crate::network::VertexIx;
+use crate::patch::Connectable;
+use crate::space::math::rotate;
+use crate::streets::MadeBy;
+use glam::DVec2;
+
+/// Vertices that breadth-first tries to reach, the nearest first.
+const TARGETS: usize = 4;
+
+/// Least length of a patch whose arms are led on, as a share of the distance to bridge.
+const LEAST_CORE: f64 = 0.3;
+
+/// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
+const CHECKED: usize = 24;
+const RATED: usize = 4;
+
+/// What is known of a patch in this cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PatchUse {
+    count: u32,
+    sound: Option<bool>,
+}
+
+impl Work<'_> {
+    /// Weight of a patch in choices: 0 once it was used as often as it may be, less with every use.
+    pub(super) fn weight(&self, patch: usize) -> f64 {
+        let p = &self.brief.patches.patches[patch];
+        let count = self.used[patch].count;
+        if p.at_most.is_some_and(|most| count >= most) { 0.0 } else { p.weight / (1.0 + 0.5 * f64::from(count)) }
+    }
+
+    /// Whether the patch keeps the rules inside itself, even at its smallest.
+    pub(super) fn is_sound(&mut self, patch: usize) -> bool {
+        if let Some(sound) = self.used[patch].sound {
+            return sound;
+        }
+        let sound = is_sound(&self.brief.patches.patches[patch]);
+        self.used[patch].sound = Some(sound);
+        sound
+    }
+
+    /// Counts the patch that was just built and makes its connectable ends candidates.
+    pub(super) fn after_patch(&mut self, patch: usize) {
+        self.used[patch].count += 1;
+        for (i, v) in self.built.iter().enumerate() {
+            if self.proposal.joins[i] == Join::Free(true) {
+                self.canvas.nodes[*v as usize].target = 2;
+                self.queue.push_back(*v);
+            }
+        }
+        self.cross_over();
+    }
+
+    /// Attaches a patch to the vertex `v` at `at`, breadth-first where possible.
+    pub(super) fn attach_patch(&mut self, v: VertexIx, at: DVec2, direction: DVec2) -> bool {
+        let largest = self.brief.patches.patches.iter().map(|p| p.radius).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return false;
+        }
+        self.gather(at, 2.0 * largest * (1.0 + STRETCH) + self.limits.gap);
+        let ahead = self.near.ray(at, at + direction * 400.0, v).map_or(400.0, |h| h.1 * 400.0);
+        if ahead < self.limits.min_piece {
+            return false;
+        }
+        self.breadth_first(v, at) || self.depth_first(v, at, direction)
+    }
+
+    /// Looks for a patch that connects `v` with another loose end in sight.
+    fn breadth_first(&mut self, v: VertexIx, at: DVec2) -> bool {
+        let Some(onward) = self.canvas.onward(v) else { return false };
+        let longest = self.brief.patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
+        let farthest = longest.fold(0.0, f64::max) * (1.0 + STRETCH);
+        let mut targets: Vec<(f64, VertexIx)> = Vec::new();
+        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
+            for (w, p) in [(s.va, s.a), (s.vb, s.b)] {
+                let d = p.distance(at);
+                if w != v && d < farthest && self.canvas.is_dead_end(w) && self.canvas.nodes[w as usize].open {
+                    targets.push((d, w));
+                }
+            }
+        }
+        targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        targets.dedup();
+        targets.retain(|(_, w)| {
+            let p = self.canvas.graph.at(*w);
+            self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
+        });
+        targets.truncate(TARGETS);
+        let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
+        for (d, w) in targets {
+            let target = self.canvas.graph.at(w);
+            let Some(beyond) = self.canvas.onward(w) else { continue };
+            let line = (target - at) / d;
+            if onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness {
+                self.stretched(v, at, w, target, &mut found);
+            }
+            for (patch, pair) in self.brief.patches.pairs_near(d, STRETCH * d) {
+                let weight = self.weight(patch);
+                if weight <= 0.0 {
+                    continue;
+                }
+                let p = &self.brief.patches.patches[patch];
+                let pair = p.pairs[pair];
+                // Equation 1 of the paper, times what makes the choice vary.
+                let rating = (1.0 - (pair.distance - d).abs() / d) * weight * self.rng.range(0.7, 1.3);
+                let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
+                for (a, b) in [(a, b), (b, a)] {
+                    let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
+                    for mirrored in [false, true] {
+                        let placement = Placement::new((patch, a.vertex, pa), pb - pa, mirrored, at, target - at);
+                        let turn = |i: DVec2| placement.map(i) - placement.map(DVec2::ZERO);
+                        // The street must go on at both ends without a sharp bend.
+                        let bends = turn(a.inward)
+                            .normalize_or_zero()
+                            .dot(onward)
+                            .min(turn(b.inward).normalize_or_zero().dot(beyond));
+                        if bends > self.straightness && self.roughly_fits(&placement, at, Some(target)) {
+                            found.push((rating * (0.5 + 0.5 * bends), placement, b.vertex, w));
+                        }
+                    }
+                }
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, placement, end, w) in found.into_iter().take(CHECKED) {
+            if self.is_sound(placement.patch)
+                && self.propose_patch(&placement, Join::At(v), Some((end, w)))
+                && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32))
+            {
+                self.after_patch(placement.patch);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Collects the placements of patches that run straight between `v` and `w` and are too short for it: their arms are
+    /// led on. Such a patch may be moved along the line, and is, to where its other arms face loose ends.
+    fn stretched(
+        &mut self,
+        v: VertexIx,
+        at: DVec2,
+        w: VertexIx,
+        target: DVec2,
+        found: &mut Vec<(f64, Placement, usize, VertexIx)>,
+    ) {
+        let patches = self.brief.patches;
+        let d = at.distance(target);
+        let line = (target - at) / d;
+        let mut tips: Vec<(f64, f64)> = Vec::new();
+        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
+            for (u, p) in [(s.va, s.a), (s.vb, s.b)] {
+                let place = (line.dot(p - at), line.perp_dot(p - at));
+                let faces = self.canvas.onward(u).is_some_and(|o| line.perp_dot(o) * place.1 < -0.9 * place.1.abs());
+                if u != v && u != w && place.0 > 0.0 && place.0 < d && faces && self.canvas.is_dead_end(u) {
+                    tips.push(place);
+                }
+            }
+        }
+        let shortest = LEAST_CORE * d;
+        let longest = (1.0 - STRETCH) * d;
+        let entries = patches.pair_entries_near((shortest + longest) / 2.0, (longest - shortest) / 2.0);
+        for entry in entries.iter().filter(|e| e.leaves.abs() < 0.12 && e.arrives.abs() < 0.12) {
+            let weight = self.weight(entry.patch);
+            if weight <= 0.0 {
+                continue;
+            }
+            let p = &patches.patches[entry.patch];
+            let pair = p.pairs[entry.pair];
+            let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
+            let spare = d - pair.distance;
+            for (a, b) in [(a, b), (b, a)] {
+                let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
+                for mirrored in [false, true] {
+                    let laid = |shift: f64| {
+                        Placement::new(
+                            (entry.patch, a.vertex, pa),
+                            pb - pa,
+                            mirrored,
+                            at + line * shift,
+                            line * pair.distance,
+                        )
+                    };
+                    // Where the other arms meet the tips that they face, else anywhere.
+                    let arm = |c: &Connectable| laid(0.0).map(p.vertices[c.vertex]) - at;
+                    let others =
+                        p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex).map(arm);
+                    let mut best = (0.0, self.rng.range(0.0, spare));
+                    for arm in others.clone() {
+                        for tip in &tips {
+                            let shift = tip.0 - line.dot(arm);
+                            if !(0.0..=spare).contains(&shift) {
+                                continue;
+                            }
+                            let met = others.clone().filter(|o| {
+                                let (x, y) = (line.dot(*o) + shift, line.perp_dot(*o));
+                                tips.iter().any(|t| (t.0 - x).abs() < 8.0 && t.1 * y > 0.0)
+                            });
+                            let met = met.count() as f64;
+                            if met > best.0 {
+                                best = (met, shift);
+                            }
+                        }
+                    }
+                    let placement = laid(best.1);
+                    if self.roughly_fits(&placement, at, Some(target)) {
+                        let rating = (0.7 + 0.3 * best.0) * weight * self.rng.range(0.7, 1.3);
+                        found.push((rating, placement, b.vertex, w));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Looks for a patch that goes on from `v` in the given direction.
+    fn depth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2) -> bool {
+        let variation = self.brief.style.local.angle_deviation_deg.to_radians();
+        let mut found: Vec<(f64, Placement)> = Vec::new();
+        for patch in 0..self.used.len() {
+            let weight = self.weight(patch);
+            if weight <= 0.0 {
+                continue;
+            }
+            let p = &self.brief.patches.patches[patch];
+            for c in &p.connectables {
+                let start_at = p.vertices[c.vertex];
+                for mirrored in [false, true] {
+                    let to = rotate(direction, self.rng.signed() * variation * 0.5);
+                    let placement = Placement::new((patch, c.vertex, start_at), c.inward, mirrored, at, to);
+                    if self.roughly_fits(&placement, at, None) {
+                        found.push((weight * self.rng.range(0.5, 1.5), placement));
+                    }
+                }
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, Proposal, usize)> = None;
+        let mut rated = 0;
+        for (key, placement) in found.into_iter().take(CHECKED) {
+            if !self.is_sound(placement.patch)
+                || !self.propose_patch(&placement, Join::At(v), None)
+                || !self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits)
+            {
+                continue;
+            }
+            let rating = self.rate() * key;
+            if best.as_ref().is_none_or(|b| rating > b.0) {
+                best = Some((rating, self.proposal.clone(), placement.patch));
+            }
+            rated += 1;
+            if rated == RATED {
+                break;
+            }
+        }
+        let Some((_, proposal, patch)) = best else { return false };
+        self.proposal = proposal;
+        self.canvas.build(&self.proposal, MadeBy::Patch(patch as u32), &mut self.built);
+        self.after_patch(patch);
+        true
+    }
+
+    /// Rating of the proposal by the three heuristics of Teng 2017, section 3.3, and for the streets that it connects.
+    fn rate(&self) -> f64 {
+        let nearby = 1.5 * self.brief.style.local.snap_radius.max(self.limits.gap);
+        let p = &self.proposal;
+        let mut rating: f64 = 1.0;
+        for (i, at) in p.points.iter().enumerate() {
+            let ends = p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
+            match p.joins[i] {
+                Join::Free(true) => {
+                    // A connectable vertex that faces the end of a cul-de-sac leads nowhere.
+                    let blocked = self.near.segs.iter().any(|s| {
+                        [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
+                            !s.is_wall()
+                                && !self.canvas.nodes[v as usize].open
+                                && self.canvas.is_dead_end(v)
+                                && q.distance(*at) < nearby
+                        })
+                    });
+                    rating -= if blocked { 0.2 } else { 0.0 };
+                }
+                Join::Free(false) if ends => {
+                    // A cul-de-sac fills a small place, and hinders in a wide one.
+                    let fills = self.near.segs.iter().any(|s| nearest(*at, s.a, s.b).distance(*at) < nearby);
+                    rating += if fills { 0.1 } else { -0.2 };
+                }
+                Join::At(_) | Join::On(_) => rating += 0.1,
+                Join::Free(false) => {}
+            }
+        }
+        for (a, b) in &p.edges {
+            let hinders = self.near.segs.iter().any(|s| {
+                [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
+                    !s.is_wall()
+                        && self.canvas.is_dead_end(v)
+                        && self.canvas.nodes[v as usize].open
+                        && !p.joins.contains(&Join::At(v))
+                        && nearest(q, p.points[*a], p.points[*b]).distance(q) < nearby
+                })
+            });
+            rating -= if hinders { 0.2 } else { 0.0 };
+        }
+        rating.max(0.05)
+    }
+}

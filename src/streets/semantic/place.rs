@@ -1,0 +1,239 @@
+//! Laying a patch on the plan, and settling its loose ends on what is there: the snap and clip operations of Teng 2017,
+//! section 3.
+
+use super::Work;
+use super::canvas::{NONE, nearest};
+use super::proposal::{Join, Limits, Proposal, STREET_FLOOR};
+use super::shape::LEAST_END;
+use crate::network::VertexIx;
+use crate::space::{cut_line, segment_crossing};
+use glam::DVec2;
+
+/// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
+const GRID_BLIND: f64 = 34.0;
+
+/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, then moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    /// Index into the database.
+    pub patch: usize,
+    /// Vertex of the patch that the current vertex becomes.
+    pub start: usize,
+    x_axis: DVec2,
+    y_axis: DVec2,
+    offset: DVec2,
+}
+
+impl Placement {
+    /// The placement that puts `start`, which lies at `start_at` in the patch, at `at`, and turns and scales the patch
+    /// vector `from` into `to`.
+    pub fn new(
+        (patch, start, start_at): (usize, usize, DVec2),
+        from: DVec2,
+        mirrored: bool,
+        at: DVec2,
+        to: DVec2,
+    ) -> Self {
+        // A mirrored patch is turned over its x axis before it is turned.
+        let from = if mirrored { DVec2::new(from.x, -from.y) } else { from };
+        let x_axis = DVec2::new(from.dot(to), from.perp_dot(to)) / from.length_squared();
+        let y_axis = if mirrored { -x_axis.perp() } else { x_axis.perp() };
+        Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y }
+    }
+
+    /// Where a patch position comes to lie.
+    pub fn map(&self, p: DVec2) -> DVec2 {
+        self.offset + self.x_axis * p.x + self.y_axis * p.y
+    }
+}
+
+impl Work<'_> {
+    /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
+    pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
+        let blind = GRID_BLIND * GRID_BLIND;
+        // A little less than the gap: near the vertices it joins the distance along the network decides.
+        let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
+        self.shapes[placement.patch].samples.iter().all(|p| {
+            let p = placement.map(*p);
+            !self.canvas.free.surely_nearer(p, need)
+                || p.distance_squared(start) < blind
+                || end.is_some_and(|e| p.distance_squared(e) < blind)
+        })
+    }
+
+    /// Makes the placement the proposal, with its ends settled. `start` says how the start vertex meets what is there;
+    /// `end` is the vertex of the patch that falls on a vertex of the graph, when there is one.
+    pub(super) fn propose_patch(&mut self, placement: &Placement, start: Join, end: Option<(usize, VertexIx)>) -> bool {
+        let patch = &self.brief.patches.patches[placement.patch];
+        let shape = &self.shapes[placement.patch];
+        let mut p = std::mem::take(&mut self.proposal);
+        p.clear();
+        let mut slots = std::mem::take(&mut self.slots);
+        slots.clear();
+        slots.resize(patch.vertices.len(), NONE);
+        let mut slot = |p: &mut Proposal, v: usize| {
+            if slots[v] == NONE {
+                slots[v] = p.points.len() as u32;
+                let (at, join) = match (v == placement.start, end) {
+                    (true, _) => match start {
+                        Join::At(w) => (self.canvas.graph.at(w), start),
+                        _ => (placement.map(patch.vertices[v]), start),
+                    },
+                    (_, Some((e, target))) if e == v => (self.canvas.graph.at(target), Join::At(target)),
+                    _ => (placement.map(patch.vertices[v]), Join::Free(false)),
+                };
+                p.push(at, join);
+            }
+            slots[v] as usize
+        };
+        let settled = |c: usize| c != placement.start && end.is_none_or(|(e, _)| e != c);
+        for e in &shape.core {
+            let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
+            p.edges.push(edge);
+        }
+        let mut fits = true;
+        for arm in &shape.arms {
+            let tip = arm[arm.len() - 1];
+            // A street between two ends is an arm of both.
+            let inner = arm[0];
+            if shape.is_end[inner] && (inner > tip && settled(inner) || inner < tip && !settled(tip)) {
+                continue;
+            }
+            if !settled(tip) {
+                for w in arm.windows(2) {
+                    let edge = (slot(&mut p, w[0]), slot(&mut p, w[1]));
+                    p.edges.push(edge);
+                }
+                continue;
+            }
+            let line: Vec<DVec2> = arm.iter().map(|v| placement.map(patch.vertices[*v])).collect();
+            let leaving = if let (true, Join::At(v)) = (inner == placement.start, start) { v } else { NONE };
+            let Some((line, join)) = self.settle(&line, leaving, &self.limits) else {
+                fits = false;
+                break;
+            };
+            let mut before = slot(&mut p, inner);
+            for (i, at) in line.iter().enumerate().skip(1) {
+                p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
+                p.edges.push((before, p.points.len() - 1));
+                before = p.points.len() - 1;
+            }
+        }
+        (self.proposal, self.slots) = (p, slots);
+        fits && self.ends_keep_apart()
+    }
+
+    /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
+    /// at the end of the line. `None` when too little is left of it. What ends at the vertex `leaving` is ignored.
+    pub(super) fn settle(&self, line: &[DVec2], leaving: VertexIx, limits: &Limits) -> Option<(Vec<DVec2>, Join)> {
+        let snap = self.brief.style.local.snap_radius;
+        let mut before = 0.0;
+        for (k, w) in line.windows(2).enumerate() {
+            let (from, to) = (w[0], w[1]);
+            let length = from.distance(to);
+            let direction = (to - from) / length.max(1e-9);
+            let last = k + 2 == line.len();
+            // What lies less far ahead than the gap must be met or kept away from.
+            let reach = length + if last { snap.max(limits.gap) } else { 0.0 };
+            let leaving = if k == 0 { leaving } else { NONE };
+            let hit = self.near.ray(from, from + direction * reach, leaving);
+            let ahead = hit.map_or(reach, |h| h.1 * reach);
+            if last && let Some((v, p)) = self.facing_end(from, direction, length, ahead, leaving) {
+                let mut met = line[..=k].to_vec();
+                met.push(p);
+                return Some((met, Join::At(v)));
+            }
+            let Some((i, _, at)) = hit else {
+                before += length;
+                continue;
+            };
+            let s = self.near.segs[i];
+            if s.is_wall() {
+                let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
+                let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
+                let cut = room.min(before + length);
+                return (cut >= LEAST_END).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
+            }
+            // Rather a vertex than a new junction next to it.
+            let vertex = [(s.va, s.a), (s.vb, s.b)]
+                .into_iter()
+                .filter(|(v, p)| p.distance(at) < limits.min_piece && self.canvas.nodes[*v as usize].port.is_none())
+                .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
+            let (end, join) = vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)));
+            let mut met = line[..=k].to_vec();
+            met.push(end);
+            return Some((met, join));
+        }
+        Some((line.to_vec(), Join::Free(true)))
+    }
+
+    /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
+    /// metres away, about where a street of `length` metres ends or beyond.
+    fn facing_end(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        length: f64,
+        ahead: f64,
+        leaving: VertexIx,
+    ) -> Option<(VertexIx, DVec2)> {
+        let snap = self.brief.style.local.snap_radius;
+        let mut best: Option<(VertexIx, DVec2, f64)> = None;
+        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
+            for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
+                let along = (p - from).dot(direction);
+                if v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                    continue;
+                }
+                let off = direction.perp_dot(p - from).abs();
+                let straight = along >= self.straightness * from.distance(p);
+                if straight && best.is_none_or(|b| off < b.2) && self.canvas.is_dead_end(v) {
+                    let faces = self.canvas.onward(v).is_some_and(|o| o.dot(from - p) >= 0.7 * from.distance(p));
+                    if faces {
+                        best = Some((v, p, off));
+                    }
+                }
+            }
+        }
+        best.map(|(v, p, _)| (v, p))
+    }
+
+    /// Whether the last edges of the proposal's arms, which may have been moved, keep the rules towards the rest of it.
+    fn ends_keep_apart(&self) -> bool {
+        let p = &self.proposal;
+        let degree = |x: usize| p.edges.iter().filter(|e| e.0 == x || e.1 == x).count();
+        for (i, &(a, b)) in p.edges.iter().enumerate() {
+            // Ends that meet nothing lie where the patch has them, or nearer.
+            let moved = |x: usize| matches!(p.joins[x], Join::At(_) | Join::On(_)) && degree(x) == 1;
+            let Some((end, inner)) = [(a, b), (b, a)].into_iter().find(|(x, _)| moved(*x)) else { continue };
+            let (e, f) = (p.points[end], p.points[inner]);
+            if e.distance(f) < 2.0 {
+                return false;
+            }
+            let crossing = degree(inner) > 2;
+            for (k, &(c, d)) in p.edges.iter().enumerate() {
+                if k == i {
+                    continue;
+                }
+                let (s, t) = (p.points[c], p.points[d]);
+                if c == inner || d == inner {
+                    let other = if c == inner { t } else { s };
+                    let cosine = (e - f).normalize_or_zero().dot((other - f).normalize_or_zero());
+                    if cosine > if crossing { 0.74 } else { 0.0 } {
+                        return false;
+                    }
+                    continue;
+                }
+                if segment_crossing(e, f, s, t).is_some() {
+                    return false;
+                }
+                for (q, r) in [(e, nearest(e, s, t)), (nearest(s, e, f), s), (nearest(t, e, f), t)] {
+                    if q.distance(r) < (0.5 * (q.distance(f) + f.distance(r))).min(STREET_FLOOR) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,254 @@
+//! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
+
+use super::Work;
+use super::canvas::NONE;
+use super::proposal::{Join, Limits};
+use crate::layer::{Cancel, LayerError};
+use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
+use crate::space::{
+    Bounds, centroid,
+    math::{angle_of, rotate},
+};
+use crate::streets::MadeBy;
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::FRAC_PI_2;
+
+/// Connections that are checked exactly for one dead end or one block.
+const TRIES: usize = 10;
+
+/// A street that would mend something, and what it costs.
+struct Mend {
+    cost: f64,
+    line: Vec<DVec2>,
+    first: Join,
+    last: Join,
+}
+
+impl Work<'_> {
+    /// Mends the network. Repair beats deletion: only stumps are removed.
+    pub(super) fn repair(&mut self, cancel: &Cancel) -> Result<(), LayerError> {
+        for round in 0..2 {
+            self.connect_dead_ends();
+            self.remove_stumps();
+            cancel.check()?;
+            if self.divide_blocks() == 0 && round == 0 {
+                break;
+            }
+        }
+        self.connect_dead_ends();
+        self.remove_stumps();
+        self.lengthen_stubs();
+        Ok(())
+    }
+
+    /// Dead ends that may be mended with the length of their streets, the shortest first.
+    fn dead_ends(&self) -> Vec<(f64, VertexIx, bool)> {
+        let g = &self.canvas.graph;
+        let mut out: Vec<_> = g
+            .vertices()
+            .filter(|v| self.canvas.is_dead_end(*v) && self.canvas.nodes[*v as usize].open)
+            .map(|v| {
+                let (end, length) = self.canvas.follow(v, g.edges_at(v)[0], |_| {});
+                (length, v, self.canvas.nodes[end as usize].port.is_some())
+            })
+            .collect();
+        out.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        out
+    }
+
+    fn connect_dead_ends(&mut self) {
+        for (_, v, _) in self.dead_ends() {
+            if self.canvas.is_dead_end(v) {
+                self.connect(v);
+            }
+        }
+    }
+
+    /// Connects the dead end `v` by a straight street or one with a bend, if any keeps the relaxed rules.
+    fn connect(&mut self, v: VertexIx) -> bool {
+        let at = self.canvas.graph.at(v);
+        let Some(onward) = self.canvas.onward(v) else { return false };
+        let reach = 1.5 * self.brief.style.local.length;
+        let limits = self.relaxed;
+        self.gather(at, reach + limits.gap + 30.0);
+        let mut mends: Vec<Mend> = Vec::new();
+        for step in -8i32..=8 {
+            let angle = f64::from(step) * 0.17;
+            let direction = rotate(onward, angle);
+            if let Some((end, last, distance)) = self.landing(at, direction, reach, v) {
+                let welcome = if matches!(last, Join::At(w) if self.canvas.is_dead_end(w)) { 0.6 } else { 1.0 };
+                let cost = distance * welcome * (1.0 + 0.5 * angle.abs());
+                mends.push(Mend { cost, line: vec![at, end], first: Join::At(v), last });
+            }
+        }
+        let ahead = self.near.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
+        for share in [34.0, 52.0, 75.0] {
+            if share > ahead - 18.0 {
+                break;
+            }
+            let bend = at + onward * share;
+            for angle in [1.57, -1.57, 1.1, -1.1] {
+                if let Some((end, last, distance)) = self.landing(bend, rotate(onward, angle), reach, NONE) {
+                    let cost = 1.5 * (share + distance);
+                    mends.push(Mend { cost, line: vec![at, bend, end], first: Join::At(v), last });
+                }
+            }
+        }
+        self.build_best(mends, &limits)
+    }
+
+    /// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
+    /// to it, with its distance, the greater the more aslant it lands.
+    fn landing(&self, from: DVec2, direction: DVec2, reach: f64, leaving: VertexIx) -> Option<(DVec2, Join, f64)> {
+        let (i, t, _) = self.near.ray(from, from + direction * reach, leaving)?;
+        if self.near.segs[i].is_wall() {
+            return None;
+        }
+        let (line, join) = self.settle(&[from, from + direction * (reach * t)], leaving, &self.relaxed)?;
+        let end = line[line.len() - 1];
+        // Streets meet rather square than aslant.
+        let s = &self.near.segs[i];
+        let slant = (s.b - s.a).normalize_or_zero().dot((end - from).normalize_or_zero()).abs();
+        Some((end, join, from.distance(end) * (1.0 + slant) * self.off_field(from, end)))
+    }
+
+    /// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
+    fn off_field(&self, from: DVec2, end: DVec2) -> f64 {
+        let off = angle_of(end - from) - self.brief.field.angle((from + end) / 2.0);
+        let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
+        1.0 + 2.5 * self.field_pull * off.abs()
+    }
+
+    /// Builds the cheapest of the given streets that keeps to `limits`.
+    fn build_best(&mut self, mut mends: Vec<Mend>, limits: &Limits) -> bool {
+        mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        for m in mends.into_iter().take(TRIES) {
+            self.proposal.line(&m.line, m.first, m.last);
+            if self.build_if_fits(limits, MadeBy::Repair) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn remove_stumps(&mut self) {
+        loop {
+            let stump = self.dead_ends().into_iter().find(|(length, _, at_port)| *length < self.stump && !at_port);
+            let Some((_, v, _)) = stump else { break };
+            if self.canvas.remove_dead_end(v).is_none() {
+                break;
+            }
+        }
+    }
+
+    /// Makes cul-de-sacs of port stubs that still lead nowhere.
+    fn lengthen_stubs(&mut self) {
+        let local = &self.brief.style.local;
+        for (length, v, at_port) in self.dead_ends() {
+            if !at_port || length > 30.0 {
+                continue;
+            }
+            let (at, Some(onward)) = (self.canvas.graph.at(v), self.canvas.onward(v)) else { continue };
+            self.gather(at, local.length + 2.0 * self.limits.gap);
+            for (share, angle) in
+                [(0.8, 0.0), (0.55, 0.0), (0.35, 0.0), (0.55, 0.4), (0.55, -0.4), (0.35, 0.7), (0.35, -0.7)]
+            {
+                let end = at + rotate(onward, angle) * (share * local.length);
+                self.proposal.line(&[at, end], Join::At(v), Join::Free(false));
+                let limits = Limits { gap: 22.0_f64.min(self.limits.gap), ..self.relaxed };
+                if self.build_if_fits(&limits, MadeBy::Repair) {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Divides blocks that are much larger than the style's; how many streets it added.
+    fn divide_blocks(&mut self) -> usize {
+        let length = self.brief.style.local.length;
+        let most = 2.6 * length * length;
+        let mut added = 0;
+        for (face, edges) in self.blocks() {
+            let area = face.area();
+            if area > most && self.divide(&face, &edges) {
+                added += 1;
+            }
+        }
+        added
+    }
+
+    /// Lays a street across a block, from one of its local streets to another.
+    fn divide(&mut self, face: &Face, edges: &[Option<EdgeIx>]) -> bool {
+        let bounds = Bounds::of(face.polygon.iter().copied());
+        self.canvas.gather(bounds, 1.0, &mut self.near);
+        let middle = centroid(&face.polygon);
+        let limits = Limits { gap: self.limits.gap, wall_gap: self.limits.wall_gap, ..self.relaxed };
+        let reach = bounds.size().length();
+        let mut mends: Vec<Mend> = Vec::new();
+        for (i, edge) in edges.iter().enumerate() {
+            let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
+            let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
+            let inward = (b - a).perp().normalize_or_zero();
+            let parts = (a.distance(b) / 14.0).ceil().max(2.0) as usize;
+            for k in 1..parts {
+                let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
+                let start = from + inward * 0.5;
+                for angle in [0.0, 0.3, -0.3] {
+                    let direction = rotate(inward, angle);
+                    if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE) {
+                        if last == Join::On(edge) {
+                            continue;
+                        }
+                        let off = ((from + end) / 2.0).distance(middle);
+                        let cost = distance * (1.0 + 0.5 * angle.abs()) + 1.5 * off;
+                        mends.push(Mend { cost, line: vec![from, end], first: Join::On(edge), last });
+                    }
+                }
+            }
+        }
+        self.build_best(mends, &limits)
+    }
+
+    /// Faces between local streets and the border, each with the local edge of every step of its walk.
+    fn blocks(&self) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
+        let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
+        let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
+        let mut known: BTreeSet<(VertexIx, VertexIx)> = BTreeSet::new();
+        let mut add = |graph: &mut PlanarGraph<Option<EdgeIx>>, a: DVec2, b: DVec2, edge: Option<EdgeIx>| {
+            let mut place = |p: DVec2| {
+                let p = crate::space::quantize(p);
+                *places.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| graph.add_vertex(p))
+            };
+            let (a, b) = (place(a), place(b));
+            if a != b && known.insert((a.min(b), a.max(b))) {
+                graph.add_edge(a, b, edge);
+            }
+        };
+        for (a, b) in self.canvas.wall_lines() {
+            // Divided at the ports that lie on it.
+            let mut cuts: Vec<(f64, DVec2)> = vec![(0.0, a), (1.0, b)];
+            let ab = b - a;
+            for port in self.brief.ports {
+                let t = (port.at - a).dot(ab) / ab.length_squared();
+                if t > 0.0 && t < 1.0 && (a + ab * t).distance(port.at) < 0.01 {
+                    cuts.push((t, port.at));
+                }
+            }
+            cuts.sort_by(|x, y| x.0.total_cmp(&y.0));
+            for pair in cuts.windows(2) {
+                add(&mut graph, pair[0].1, pair[1].1, None);
+            }
+        }
+        for (e, edge) in self.canvas.graph.edges() {
+            add(&mut graph, self.canvas.graph.at(edge.a), self.canvas.graph.at(edge.b), Some(e));
+        }
+        let faces = graph.faces().into_iter().filter(|f| f.area() > 0.0);
+        faces
+            .map(|f| {
+                let edges = f.walk.iter().map(|h| graph.edge(h.edge).data).collect();
+                (f, edges)
+            })
+            .collect()
+    }
+}

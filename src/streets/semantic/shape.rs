@@ -1,0 +1,131 @@
+//! What the search needs to know of a patch's geometry beside what the patch says itself.
+
+use super::proposal::STREET_FLOOR;
+use crate::patch::{Patch, PatchEdge};
+use crate::space::segment_distance;
+use glam::DVec2;
+
+/// Greatest change of a patch's size.
+pub(super) const STRETCH: f64 = 0.12;
+
+/// Least length that is left of an arm when it is cut back.
+pub(super) const LEAST_END: f64 = 22.0;
+
+/// Greatest distance between two samples along an edge.
+const SAMPLE: f64 = 12.0;
+
+/// The geometry of a patch, taken apart. Main streets are left out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shape {
+    /// Points on the part that cannot be cut back, the outermost first.
+    pub samples: Vec<DVec2>,
+    /// Edges that are on no arm.
+    pub core: Vec<(usize, usize)>,
+    /// The street of each connectable vertex, from its other end to that vertex.
+    pub arms: Vec<Vec<usize>>,
+    /// Whether a vertex is connectable.
+    pub is_end: Vec<bool>,
+}
+
+impl Shape {
+    /// Takes a patch apart.
+    pub fn new(patch: &Patch) -> Self {
+        let n = patch.vertices.len();
+        let mut around: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for (i, e) in patch.edges.iter().enumerate().filter(|(_, e)| !e.main) {
+            around[e.a].push(i);
+            around[e.b].push(i);
+        }
+        let on_main = |v: usize| patch.edges.iter().any(|e| e.main && (e.a == v || e.b == v));
+        let mut shape = Self { is_end: vec![false; n], ..Self::default() };
+        let mut on_arm = vec![false; patch.edges.len()];
+        let at = |v: usize| patch.vertices[v];
+        for c in &patch.connectables {
+            shape.is_end[c.vertex] = true;
+            let (mut v, mut arm, mut edge) = (c.vertex, vec![c.vertex], around[c.vertex][0]);
+            loop {
+                on_arm[edge] = true;
+                v = patch.edges[edge].other(v);
+                arm.push(v);
+                let [e, f] = around[v][..] else { break };
+                if on_main(v) || arm.len() > n {
+                    break;
+                }
+                edge = if e == edge { f } else { e };
+            }
+            arm.reverse();
+            let mut along = 0.0;
+            for w in arm.windows(2) {
+                let length = at(w[0]).distance(at(w[1]));
+                shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_END - along) / length).clamp(0.0, 1.0)));
+                along += length;
+                if along > LEAST_END {
+                    break;
+                }
+            }
+            shape.arms.push(arm);
+        }
+        for (i, e) in patch.edges.iter().enumerate().filter(|(_, e)| !e.main) {
+            if !on_arm[i] {
+                shape.core.push((e.a, e.b));
+                let parts = (at(e.a).distance(at(e.b)) / SAMPLE).ceil().max(1.0) as usize;
+                shape.samples.extend((0..=parts).map(|k| at(e.a).lerp(at(e.b), k as f64 / parts as f64)));
+            }
+        }
+        shape.samples.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
+        shape.samples.dedup();
+        shape
+    }
+}
+
+/// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
+pub(super) fn is_sound(patch: &Patch) -> bool {
+    let least = STREET_FLOOR / (1.0 - STRETCH);
+    let edges: Vec<_> = patch.edges.iter().filter(|e| !e.main).collect();
+    let at = |v: usize| patch.vertices[v];
+    let degree = |v: usize| edges.iter().filter(|e| e.a == v || e.b == v).count();
+    // Streets: runs of edges between vertices of other degree than 2.
+    let mut street = vec![usize::MAX; edges.len()];
+    let mut ends: Vec<[usize; 2]> = Vec::new();
+    for i in 0..edges.len() {
+        if street[i] != usize::MAX {
+            continue;
+        }
+        let id = ends.len();
+        street[i] = id;
+        let mut length = at(edges[i].a).distance(at(edges[i].b));
+        let mut reached = [edges[i].a, edges[i].b];
+        for end in &mut reached {
+            while degree(*end) == 2 {
+                let Some(next) =
+                    (0..edges.len()).find(|k| street[*k] == usize::MAX && (edges[*k].a == *end || edges[*k].b == *end))
+                else {
+                    break;
+                };
+                street[next] = id;
+                length += at(edges[next].a).distance(at(edges[next].b));
+                *end = if edges[next].a == *end { edges[next].b } else { edges[next].a };
+            }
+        }
+        ends.push(reached);
+        if length < 16.0 / (1.0 - STRETCH) && reached.iter().all(|v| degree(*v) > 2) {
+            return false;
+        }
+    }
+    edges.iter().enumerate().all(|(i, e)| {
+        edges[..i].iter().enumerate().all(|(k, f)| {
+            let meet = [e.a, e.b].into_iter().find(|v| *v == f.a || *v == f.b);
+            let apart = || segment_distance(at(e.a), at(e.b), at(f.a), at(f.b));
+            if let Some(v) = meet {
+                let arm = |x: &PatchEdge| (at(if x.a == v { x.b } else { x.a }) - at(v)).normalize_or_zero();
+                let cosine = arm(e).dot(arm(f));
+                return cosine < if degree(v) == 2 { 0.3 } else { 0.75 };
+            }
+            if street[i] == street[k] {
+                return apart() > 4.0;
+            }
+            let joined = ends[street[i]].iter().any(|v| degree(*v) > 2 && ends[street[k]].contains(v));
+            apart() >= if joined { 4.0 } else { least }
+        })
+    })
+}

@@ -1,0 +1,74 @@
+//! Cell initialization (Teng 2017, section 3.2): an initial patch or a plain stub at every port.
+
+use super::Work;
+use super::canvas::Node;
+use super::place::Placement;
+use super::proposal::Join;
+use crate::patch::tag;
+use crate::seam::STUB_LENGTH;
+use crate::streets::MadeBy;
+use glam::DVec2;
+
+impl Work<'_> {
+    /// Puts a stub at every port, so that each is met whatever comes later, then an initial patch in its place where one
+    /// fits. The ends become the first candidate vertices.
+    pub(super) fn start(&mut self) {
+        let ports = self.brief.ports.len();
+        let mut ends = Vec::with_capacity(ports);
+        for (i, port) in self.brief.ports.iter().enumerate() {
+            let node = Node { port: None, open: true, target: 2 };
+            let end = self.canvas.add_vertex(port.at + port.inward * STUB_LENGTH, node);
+            self.canvas.add_edge(i as u32, end, MadeBy::Growth);
+            ends.push(end);
+        }
+        let patches = self.brief.patches;
+        let initial: Vec<usize> =
+            patches.tagged(tag::INITIAL).iter().copied().filter(|p| self.initial_root(*p).is_some()).collect();
+        for (i, &end) in ends.iter().enumerate() {
+            // One port in three begins with an initial patch; more would leave no room between them.
+            if initial.is_empty() || !self.rng.chance(0.34) || !self.start_with_patch(i, &initial) {
+                self.queue.push_back(end);
+            }
+        }
+    }
+
+    /// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` for
+    /// patches that are not laid on a main street or leave it more than once.
+    fn initial_root(&self, patch: usize) -> Option<(usize, DVec2)> {
+        let main = self.brief.patches.facts(patch).main.as_ref()?;
+        let patch = &self.brief.patches.patches[patch];
+        let &[root] = main.attachments.as_slice() else { return None };
+        let along = patch.vertices[main.to] - patch.vertices[main.from];
+        (patch.edges_at(root).filter(|e| !patch.edges[*e].main).count() == 1)
+            .then(|| (root, along.perp().normalize_or_zero()))
+    }
+
+    /// Tries initial patches at port `port` in the place of its stub.
+    fn start_with_patch(&mut self, port: usize, initial: &[usize]) -> bool {
+        let (at, inward) = (self.brief.ports[port].at, self.brief.ports[port].inward);
+        let weights: Vec<f64> = initial.iter().map(|p| self.weight(*p)).collect();
+        let Some(pick) = self.rng.weighted(&weights).map(|i| initial[i]) else { return false };
+        let Some((root, side)) = self.initial_root(pick) else { return false };
+        if !self.is_sound(pick) {
+            return false;
+        }
+        let radius = self.brief.patches.patches[pick].radius;
+        let root_at = self.brief.patches.patches[pick].vertices[root];
+        let Some(stub) = self.canvas.graph.edges_at(port as u32).first().copied() else { return false };
+        let Some(removed) = self.canvas.graph.remove_edge(stub) else { return false };
+        self.gather(at, 2.0 * radius + self.limits.gap + self.limits.min_piece);
+        let first_mirrored = self.rng.chance(0.5);
+        for mirrored in [first_mirrored, !first_mirrored] {
+            let placement = Placement::new((pick, root, root_at), side, mirrored, at, inward);
+            if self.roughly_fits(&placement, at, None)
+                && self.propose_patch(&placement, Join::At(port as u32), None)
+                && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(pick as u32))
+            {
+                self.after_patch(pick);
+                return true;
+            }
+        }
+        self.canvas.add_edge(removed.a, removed.b, removed.data);
+        false
+    }
+}
