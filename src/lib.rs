@@ -26,6 +26,8 @@ pub mod mesh;
 pub mod network;
 pub mod parcel;
 pub mod patch;
+#[cfg(feature = "bevy")]
+pub mod plugin;
 pub mod region;
 pub mod seam;
 pub mod space;
@@ -33,3 +35,14 @@ pub mod streets;
 pub mod terrain;
 pub mod town;
 pub mod world;
+
+/// What most programs need: with the feature `bevy` the plugin, without it the generator alone.
+pub mod prelude {
+    #[cfg(feature = "bevy")]
+    pub use crate::plugin::{
+        AssetOrigin, AssetRejected, ChunkData, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded,
+        OriginShifted, ShiftsWithOrigin, Sprawl, SprawlGizmos, SprawlOrigin, SprawlPlugin, SprawlSource, SprawlStats,
+        SprawlSystems, StreamAnchor, StreamSettings, WorldChanged,
+    };
+    pub use crate::space::{ChunkCoord, Origin, Seed};
+}

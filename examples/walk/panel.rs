@@ -1,0 +1,86 @@
+//! The panel in the window: where one is, and how streaming does.
+
+use crate::walker::Walker;
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, egui};
+use bevy_sprawl::prelude::*;
+
+/// Put the walker on a street near this plan point as soon as there is a world.
+#[derive(Resource)]
+pub struct Begin(pub DVec2);
+
+/// What the panel remembers between frames.
+#[derive(Resource, Default)]
+pub struct Panel {
+    seed: u64,
+    place: String,
+    looked_up: f32,
+}
+
+pub fn setup(mut commands: Commands, source: Res<SprawlSource>) {
+    commands.insert_resource(Panel { seed: source.seed.0, ..default() });
+}
+
+pub fn begin(
+    mut commands: Commands,
+    wish: Option<Res<Begin>>,
+    sprawl: Sprawl,
+    walker: Single<(&mut Walker, &mut Transform)>,
+) {
+    let Some(wish) = wish else { return };
+    let Some(start) = sprawl.spawn_point(sprawl.to_bevy(wish.0, 0.0)) else { return };
+    let (mut walker, mut transform) = walker.into_inner();
+    *transform = start.eye(1.7);
+    walker.begin_at(&transform);
+    commands.remove_resource::<Begin>();
+}
+
+pub fn show(
+    mut contexts: EguiContexts,
+    mut commands: Commands,
+    mut panel: ResMut<Panel>,
+    mut source: ResMut<SprawlSource>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+    mut walker: Single<(&mut Walker, &Transform)>,
+    (sprawl, stats, time): (Sprawl, Res<SprawlStats>, Res<Time<Real>>),
+) -> Result {
+    let at = walker.1.translation;
+    let plan = sprawl.to_plan(at);
+    panel.looked_up -= time.delta_secs();
+    if panel.looked_up <= 0.0 {
+        panel.looked_up = 0.3;
+        panel.place = sprawl.settlement_at(at).map_or("open country".into(), |s| format!("{} ({:?})", s.name, s.size));
+    }
+    egui::Window::new("bevy_sprawl").default_width(230.0).show(contexts.ctx_mut()?, |ui| {
+        egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
+            let mut row = |name: &str, value: String| {
+                ui.label(name);
+                ui.monospace(value);
+                ui.end_row();
+            };
+            row("place", panel.place.clone());
+            row("position", format!("{:.0}, {:.0} m", plan.x, plan.y));
+            row("frame", format!("{:.1} ms", time.delta_secs() * 1000.0));
+            row("plugin", format!("{:.2} ms", stats.main_thread_ms));
+            row("chunks", format!("{} there, {} missing", stats.chunks_loaded, stats.chunks_missing));
+            row("made", format!("{} ({:.1} ms each)", stats.chunks_made, stats.chunk_ms));
+            row("tasks", stats.tasks_in_flight.to_string());
+        });
+        ui.separator();
+        ui.checkbox(&mut walker.0.flies, "fly (F)");
+        ui.checkbox(&mut gizmos.config_mut::<SprawlGizmos>().0.enabled, "chunk borders, streets, ports");
+        ui.horizontal(|ui| {
+            ui.label("seed");
+            ui.add(egui::DragValue::new(&mut panel.seed));
+            if ui.button("go").clicked() {
+                source.seed = Seed(panel.seed);
+            }
+            if ui.button("elsewhere").clicked() {
+                commands.insert_resource(Begin(plan + DVec2::splat(3_000.0)));
+            }
+        });
+        ui.small("Click to look around, Esc frees the mouse.\nWASD walks, Shift runs, F flies.");
+    });
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! First person in a window.
+
+use crate::args::Args;
+use crate::{panel, scene};
+use bevy::input::mouse::AccumulatedMouseMotion;
+use bevy::prelude::*;
+use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass, input::EguiWantsInput};
+use bevy_sprawl::prelude::*;
+use std::f32::consts::FRAC_PI_2;
+
+/// Height of the eyes over the ground, in metres.
+const EYES: f32 = 1.7;
+
+/// The one who walks.
+#[derive(Component, Default)]
+pub struct Walker {
+    yaw: f32,
+    pitch: f32,
+    /// Whether it flies.
+    pub flies: bool,
+    started: bool,
+}
+
+/// Opens the window and runs until it is closed.
+pub fn window(args: Args) -> AppExit {
+    let window = Window { title: "bevy_sprawl".into(), ..default() };
+    App::new()
+        .add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
+        .add_plugins(EguiPlugin::default())
+        .add_plugins(SprawlPlugin::new(args.seed).starting_at(args.at))
+        .insert_resource(panel::Begin(args.at))
+        .add_systems(Startup, (scene::light, spawn, panel::setup))
+        .add_systems(Update, (panel::begin, grab_mouse, look, walk).chain())
+        .add_systems(EguiPrimaryContextPass, panel::show)
+        .run()
+}
+
+fn spawn(mut commands: Commands) {
+    let anchor = StreamAnchor { start_on_street: false, ..default() };
+    commands.spawn((Walker::default(), anchor, scene::camera(), Transform::default()));
+}
+
+impl Walker {
+    /// Takes the place and heading of a transform that was set from outside.
+    pub fn begin_at(&mut self, transform: &Transform) {
+        let (yaw, pitch, _) = transform.rotation.to_euler(EulerRot::YXZ);
+        (self.yaw, self.pitch, self.started) = (yaw, pitch, true);
+    }
+}
+
+/// A click catches the mouse, Esc frees it.
+fn grab_mouse(
+    mut cursor: Single<&mut CursorOptions, With<PrimaryWindow>>,
+    mouse: Res<ButtonInput<MouseButton>>,
+    keys: Res<ButtonInput<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+) {
+    let grab = if keys.just_pressed(KeyCode::Escape) {
+        false
+    } else if mouse.just_pressed(MouseButton::Left) && !egui.is_pointer_over_area() {
+        true
+    } else {
+        return;
+    };
+    cursor.visible = !grab;
+    cursor.grab_mode = if grab { CursorGrabMode::Locked } else { CursorGrabMode::None };
+}
+
+fn look(
+    cursor: Single<&CursorOptions, With<PrimaryWindow>>,
+    motion: Res<AccumulatedMouseMotion>,
+    walker: Single<(&mut Walker, &mut Transform)>,
+) {
+    let (mut walker, mut transform) = walker.into_inner();
+    if cursor.grab_mode != CursorGrabMode::None {
+        let turn = motion.delta * 0.0025;
+        walker.yaw -= turn.x;
+        walker.pitch = (walker.pitch - turn.y).clamp(-FRAC_PI_2 + 0.02, FRAC_PI_2 - 0.02);
+    }
+    transform.rotation = Quat::from_euler(EulerRot::YXZ, walker.yaw, walker.pitch, 0.0);
+}
+
+fn walk(
+    time: Res<Time>,
+    keys: Res<ButtonInput<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+    sprawl: Sprawl,
+    walker: Single<(&mut Walker, &mut Transform)>,
+) {
+    let (mut walker, mut transform) = walker.into_inner();
+    if !walker.started || egui.wants_keyboard_input() {
+        return;
+    }
+    if keys.just_pressed(KeyCode::KeyF) {
+        walker.flies = !walker.flies;
+    }
+    let axis = |plus: [KeyCode; 2], minus: [KeyCode; 2]| {
+        f32::from(u8::from(keys.any_pressed(plus))) - f32::from(u8::from(keys.any_pressed(minus)))
+    };
+    let ahead = axis([KeyCode::KeyW, KeyCode::ArrowUp], [KeyCode::KeyS, KeyCode::ArrowDown]);
+    let aside = axis([KeyCode::KeyD, KeyCode::ArrowRight], [KeyCode::KeyA, KeyCode::ArrowLeft]);
+    let up = axis([KeyCode::Space, KeyCode::KeyE], [KeyCode::ControlLeft, KeyCode::KeyQ]);
+    let runs = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    if walker.flies {
+        let speed = if runs { 120.0 } else { 30.0 };
+        let direction = transform.forward() * ahead + transform.right() * aside + Vec3::Y * up;
+        transform.translation += direction.normalize_or_zero() * speed * time.delta_secs();
+    } else {
+        let speed = if runs { 9.0 } else { 3.0 };
+        let (sin, cos) = walker.yaw.sin_cos();
+        let direction = Vec3::new(-sin, 0.0, -cos) * ahead + Vec3::new(cos, 0.0, -sin) * aside;
+        transform.translation += direction.normalize_or_zero() * speed * time.delta_secs();
+    }
+    // Feet follow the ground; the eyes a little later, so that kerbs are no jolts.
+    let Some(ground) = sprawl.height(transform.translation) else { return };
+    let eyes = ground + EYES;
+    if walker.flies {
+        transform.translation.y = transform.translation.y.max(eyes);
+    } else {
+        let share = 1.0 - (-12.0 * time.delta_secs()).exp();
+        transform.translation.y += (eyes - transform.translation.y) * share;
+    }
+}

@@ -1,0 +1,85 @@
+//! Asset loaders of styles and patch sets.
+//!
+//! They claim no file extension, since `ron` belongs to everybody: load with the type, `load::<Style>("styles/mine.ron")`.
+
+use crate::layer::FileError;
+use crate::patch::PatchSet;
+use crate::town::Style;
+use bevy::asset::io::Reader;
+use bevy::asset::{Asset, AssetLoader, LoadContext, UntypedAssetId, VisitAssetDependencies};
+use bevy::reflect::TypePath;
+
+impl Asset for Style {}
+impl Asset for PatchSet {}
+
+impl VisitAssetDependencies for Style {
+    fn visit_dependencies(&self, _: &mut impl FnMut(UntypedAssetId)) {}
+}
+
+impl VisitAssetDependencies for PatchSet {
+    fn visit_dependencies(&self, _: &mut impl FnMut(UntypedAssetId)) {}
+}
+
+impl TypePath for Style {
+    fn type_path() -> &'static str {
+        "bevy_sprawl::town::Style"
+    }
+
+    fn short_type_path() -> &'static str {
+        "Style"
+    }
+}
+
+impl TypePath for PatchSet {
+    fn type_path() -> &'static str {
+        "bevy_sprawl::patch::PatchSet"
+    }
+
+    fn short_type_path() -> &'static str {
+        "PatchSet"
+    }
+}
+
+/// Loads a [`Style`] from RON. Its error is a [`FileError`] with line and column.
+#[derive(Clone, Copy, Debug, Default, TypePath)]
+pub struct StyleLoader;
+
+/// Loads a [`PatchSet`] from RON. Its error is a [`FileError`] with line and column.
+#[derive(Clone, Copy, Debug, Default, TypePath)]
+pub struct PatchSetLoader;
+
+impl AssetLoader for StyleLoader {
+    type Asset = Style;
+    type Settings = ();
+    type Error = FileError;
+
+    async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<Style, FileError> {
+        let (file, text) = read(reader, context).await?;
+        Style::from_ron(&file, &text)
+    }
+}
+
+impl AssetLoader for PatchSetLoader {
+    type Asset = PatchSet;
+    type Settings = ();
+    type Error = FileError;
+
+    async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<PatchSet, FileError> {
+        let (file, text) = read(reader, context).await?;
+        PatchSet::from_ron(&file, &text)
+    }
+}
+
+/// Name and text of the file.
+async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> Result<(String, String), FileError> {
+    let file = context.path().to_string();
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes).await.map_err(|e| FileError::unreadable(&*file, e))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|b| **b == b'\n').count() + 1;
+        let column = good.iter().rev().take_while(|b| **b != b'\n').count() + 1;
+        FileError { file: file.clone(), line, column, reason: "this is no UTF-8 text".into() }
+    })?;
+    Ok((file, text))
+}

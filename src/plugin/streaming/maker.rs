@@ -1,0 +1,34 @@
+//! What makes chunks: the world, or a stand-in in tests.
+
+use crate::chunk::Chunk;
+use crate::layer::{Cancel, LayerError};
+use crate::mesh::{self, ChunkMesh, Detail};
+use crate::space::ChunkCoord;
+use crate::world::World;
+use std::sync::Arc;
+
+/// Makes chunks and their meshes, on any thread.
+pub(in crate::plugin) trait ChunkMaker: Send + Sync + 'static {
+    /// Edge of a chunk in metres.
+    fn chunk_size(&self) -> i64;
+
+    /// Makes a chunk.
+    fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError>;
+
+    /// Makes its meshes.
+    fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError>;
+}
+
+impl ChunkMaker for World {
+    fn chunk_size(&self) -> i64 {
+        self.settings().chunk_size
+    }
+
+    fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
+        self.chunk(coord, cancel)
+    }
+
+    fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
+        mesh::build(chunk, &**self.terrain(), detail, cancel)
+    }
+}

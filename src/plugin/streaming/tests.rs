@@ -1,0 +1,371 @@
+//! Streaming with a stand-in for the generator, without a renderer.
+
+use super::*;
+use crate::chunk::{Chunk, Ground};
+use crate::layer::{Cancel, LayerError};
+use crate::mesh::{ChunkMesh, Detail, MeshBuffers};
+use crate::plugin::origin::{OriginShifted, ShiftsWithOrigin, SprawlOrigin};
+use crate::plugin::source::SprawlSource;
+use crate::plugin::{
+    ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, SprawlStats, StreamAnchor, anchor,
+    appearance, chunk, diagnostics, origin, schedule,
+};
+use crate::space::Seed;
+use crate::terrain::{Terrain, TerrainSample};
+use crate::world::{Settings, WorldAssets};
+use glam::DVec2;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+struct Flat;
+
+impl Terrain for Flat {
+    fn sample(&self, _: DVec2) -> TerrainSample {
+        TerrainSample { height: 0.0, water_level: -1.0, vegetation: 0.0 }
+    }
+}
+
+/// Makes flat chunks with a ground, no water, no roads and no buildings.
+#[derive(Clone)]
+struct Fake {
+    size: i64,
+    made: Arc<AtomicUsize>,
+    cancelled: Arc<AtomicUsize>,
+    how: fn(ChunkCoord) -> How,
+}
+
+enum How {
+    Make,
+    Defect,
+    Panic,
+    WaitUntilCancelled,
+}
+
+impl Fake {
+    fn new(how: fn(ChunkCoord) -> How) -> Self {
+        Self { size: 512, made: Arc::default(), cancelled: Arc::default(), how }
+    }
+}
+
+impl ChunkMaker for Fake {
+    fn chunk_size(&self) -> i64 {
+        self.size
+    }
+
+    fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
+        match (self.how)(coord) {
+            How::Make => {}
+            How::Defect => return Err(LayerError::Padding { layer: "test", declared: 1.0, needed: 2.0 }),
+            How::Panic => panic!("a defect at {coord}"),
+            How::WaitUntilCancelled => {
+                while !cancel.is_cancelled() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                self.cancelled.fetch_add(1, Ordering::Relaxed);
+                return Err(LayerError::Cancelled);
+            }
+        }
+        self.made.fetch_add(1, Ordering::Relaxed);
+        let origin = coord.origin(self.size);
+        Ok(Arc::new(Chunk {
+            coord,
+            origin,
+            size: self.size,
+            ground: Ground { cells: 1, samples: vec![Flat.sample(DVec2::ZERO); 4] },
+            junctions: vec![],
+            streets: vec![],
+            blocks: vec![],
+            lots: vec![],
+            footprints: vec![],
+            settlements: vec![],
+            unmet_ports: 0,
+        }))
+    }
+
+    fn mesh(&self, chunk: &Chunk, _: Detail, _: &Cancel) -> Result<ChunkMesh, LayerError> {
+        let s = chunk.size as f32;
+        let ground = MeshBuffers {
+            positions: vec![[0.0, 0.0, 0.0], [s, 0.0, 0.0], [0.0, 0.0, -s]],
+            normals: vec![[0.0, 1.0, 0.0]; 3],
+            colours: vec![[1.0; 4]; 3],
+            indices: vec![0, 1, 2],
+        };
+        Ok(ChunkMesh { ground, ..default() })
+    }
+}
+
+/// An app with the plugin's parts but the world, and an anchor.
+fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+        .init_asset::<Mesh>()
+        .insert_resource(SprawlSource { seed: Seed(0), settings: Settings::default(), assets: WorldAssets::default() })
+        .insert_resource(SprawlOrigin::default())
+        .init_resource::<StreamSettings>()
+        .add_plugins((
+            schedule::SchedulePlugin,
+            chunk::ChunkPlugin,
+            anchor::AnchorPlugin,
+            origin::OriginPlugin,
+            StreamingPlugin,
+            appearance::AppearancePlugin,
+            diagnostics::DiagnosticsPlugin,
+        ));
+    app.finish();
+    app.cleanup();
+    app.world_mut().resource_mut::<Streaming>().replace(maker, Dirty::All);
+    let anchor = app.world_mut().spawn(anchor).id();
+    (app, anchor)
+}
+
+fn small() -> StreamAnchor {
+    StreamAnchor { load_radius: 600.0, unload_radius: 900.0, detail_radius: 300.0, start_on_street: false }
+}
+
+/// Runs until everything that is wanted is there and everything else is gone.
+fn settle(app: &mut App) {
+    for _ in 0..2000 {
+        app.update();
+        let stats = *app.world().resource::<SprawlStats>();
+        let streaming = app.world().resource::<Streaming>();
+        let busy = streaming.slots.values().any(|s| s.leaving || s.needs_work() || s.built.is_some());
+        if stats.chunks_missing == 0 && stats.tasks_in_flight == 0 && !busy && streaming.retired.is_empty() {
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+    panic!("streaming did not settle: {:?}", app.world().resource::<SprawlStats>());
+}
+
+fn move_to(app: &mut App, entity: Entity, p: Vec3) {
+    app.world_mut().get_mut::<Transform>(entity).unwrap().translation = p;
+}
+
+fn chunks(app: &mut App) -> BTreeMap<ChunkCoord, (Entity, ChunkStatus)> {
+    let mut query = app.world_mut().query::<(Entity, &ChunkCoord, &ChunkStatus)>();
+    query.iter(app.world()).map(|(e, c, s)| (*c, (e, *s))).collect()
+}
+
+fn entities(app: &mut App) -> usize {
+    app.world_mut().query::<&Transform>().iter(app.world()).count()
+}
+
+fn messages<M: Message + Clone>(app: &App) -> Vec<M> {
+    app.world().resource::<Messages<M>>().iter_current_update_messages().cloned().collect()
+}
+
+#[test]
+fn chunks_come_around_an_anchor_and_go_behind_it() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    settle(&mut app);
+    let here = chunks(&mut app);
+    assert!(here.values().all(|(_, status)| *status == ChunkStatus::Ready));
+    assert_eq!(here.keys().copied().collect::<Vec<_>>(), {
+        let mut around: Vec<_> = (-2..=1).flat_map(|x| (-2..=1).map(move |y| ChunkCoord::new(x, y))).collect();
+        // The corners of this 4 by 4 square are 724 m away.
+        around.retain(|c| !((c.0.x == -2 || c.0.x == 1) && (c.0.y == -2 || c.0.y == 1)));
+        around
+    });
+    let meshes = |app: &App| app.world().resource::<Assets<Mesh>>().len();
+    assert_eq!(meshes(&app), here.len());
+    let mut parts = app.world_mut().query::<(&ChunkPart, &ChildOf)>();
+    assert!(parts.iter(app.world()).all(|(part, _)| *part == ChunkPart::Ground), "an empty mesh was spawned");
+    assert_eq!(parts.iter(app.world()).count(), here.len());
+    move_to(&mut app, anchor, Vec3::new(0.0, 0.0, -3000.0));
+    settle(&mut app);
+    let there = chunks(&mut app);
+    assert_eq!(there.len(), here.len());
+    assert!(there.keys().all(|c| c.0.y >= 3), "north is -z");
+    assert_eq!(meshes(&app), there.len());
+}
+
+#[test]
+fn a_hundred_rounds_leak_nothing() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    settle(&mut app);
+    let (entities_before, slots) = (entities(&mut app), app.world().resource::<Streaming>().slots.len());
+    for round in 0..100 {
+        move_to(&mut app, anchor, Vec3::new(if round % 2 == 0 { 3000.0 } else { 0.0 }, 0.0, 0.0));
+        settle(&mut app);
+    }
+    assert_eq!(entities(&mut app), entities_before);
+    let streaming = app.world().resource::<Streaming>();
+    assert_eq!((streaming.slots.len(), streaming.cancelled.len()), (slots, 0));
+    assert_eq!(app.world().resource::<Assets<Mesh>>().len(), slots);
+}
+
+#[test]
+fn walking_to_and_fro_over_a_border_makes_nothing_anew() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    for x in [0.0, 100.0, 0.0] {
+        move_to(&mut app, anchor, Vec3::new(x, 0.0, 0.0));
+        settle(&mut app);
+    }
+    let made = maker.made.load(Ordering::Relaxed);
+    for x in [100.0, 0.0, 100.0, 0.0] {
+        move_to(&mut app, anchor, Vec3::new(x, 0.0, 0.0));
+        settle(&mut app);
+    }
+    assert_eq!(maker.made.load(Ordering::Relaxed), made);
+}
+
+#[test]
+fn stale_work_is_cancelled_and_tasks_are_bounded() {
+    let maker = Fake::new(|c| if c.0.x < 5 { How::WaitUntilCancelled } else { How::Make });
+    let (mut app, anchor) = app(&maker, small());
+    app.world_mut().resource_mut::<StreamSettings>().max_tasks = 3;
+    for _ in 0..20 {
+        app.update();
+        assert!(app.world().resource::<SprawlStats>().tasks_in_flight <= 3);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    move_to(&mut app, anchor, Vec3::new(6000.0, 0.0, 0.0));
+    settle(&mut app);
+    assert!(chunks(&mut app).keys().all(|c| c.0.x > 5));
+    // Those that had begun noticed; those that had not never began.
+    assert!((1..=3).contains(&maker.cancelled.load(Ordering::Relaxed)));
+}
+
+#[test]
+fn a_shifted_origin_keeps_everything_in_its_place() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, walker) = app(&maker, small());
+    let tree = app.world_mut().spawn((ShiftsWithOrigin, Transform::from_xyz(9_000.5, 3.0, -20.25))).id();
+    let fixed = app.world_mut().spawn(Transform::from_xyz(1.0, 2.0, 3.0)).id();
+    // An anchor may be a child: the root that it belongs to is shifted, and it not twice.
+    let head = app.world_mut().spawn((small(), Transform::from_xyz(0.0, 1.7, 0.0))).id();
+    app.world_mut().entity_mut(head).insert(ChildOf(walker));
+    app.world_mut().entity_mut(walker).remove::<StreamAnchor>();
+    move_to(&mut app, walker, Vec3::new(9_000.0, 0.0, -30.0));
+    app.update();
+    let [shift] = messages::<OriginShifted>(&app)[..] else { panic!("one shift") };
+    settle(&mut app);
+    let at = |app: &App, e: Entity| app.world().get::<Transform>(e).unwrap().translation;
+    assert_eq!(shift.by, Vec3::new(-9_216.0, 0.0, 0.0));
+    assert_eq!(at(&app, tree) - at(&app, walker), Vec3::new(0.5, 3.0, 9.75));
+    assert_eq!(at(&app, walker), Vec3::new(-216.0, 0.0, -30.0));
+    assert_eq!(at(&app, head), Vec3::new(0.0, 1.7, 0.0));
+    assert_eq!(at(&app, fixed), Vec3::new(1.0, 2.0, 3.0));
+    let origin = *app.world().resource::<SprawlOrigin>();
+    assert_eq!(origin.to_plan(at(&app, walker)), DVec2::new(9_000.0, 30.0));
+    for (coord, (entity, _)) in chunks(&mut app) {
+        assert_eq!(origin.to_plan(at(&app, entity)), coord.origin(512).plan());
+    }
+}
+
+#[test]
+fn a_chunk_that_fails_says_why_and_the_others_come() {
+    let maker = Fake::new(|c| match (c.0.x, c.0.y) {
+        (0, 0) => How::Defect,
+        (-1, 0) => How::Panic,
+        _ => How::Make,
+    });
+    let (mut app, _) = app(&maker, small());
+    let seen: Arc<std::sync::Mutex<Vec<String>>> = Arc::default();
+    let log = seen.clone();
+    app.add_observer(move |failed: On<ChunkFailed>| {
+        log.lock().unwrap().push(format!("{} {}", failed.coord, failed.reason));
+    });
+    settle(&mut app);
+    let statuses = chunks(&mut app);
+    assert_eq!(statuses[&ChunkCoord::new(0, 0)].1, ChunkStatus::Failed);
+    assert_eq!(statuses[&ChunkCoord::new(-1, 0)].1, ChunkStatus::Failed);
+    assert_eq!(statuses.values().filter(|(_, s)| *s == ChunkStatus::Ready).count(), statuses.len() - 2);
+    let mut seen = seen.lock().unwrap().clone();
+    seen.sort();
+    assert_eq!(seen.len(), 2);
+    assert!(seen[0].starts_with("-1,0 the generator panicked: a defect at -1,0"), "{seen:?}");
+    assert!(seen[1].starts_with("0,0 layer `test` reads"), "{seen:?}");
+}
+
+#[test]
+fn in_a_new_world_only_what_differs_is_made_anew_and_the_old_stays_until_then() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, _) = app(&maker, small());
+    settle(&mut app);
+    let before = chunks(&mut app);
+    let next = Fake::new(|_| How::Make);
+    let changed = ChunkCoord::new(0, 0);
+    let part = |app: &mut App| {
+        let mut query = app.world_mut().query_filtered::<(Entity, &ChildOf), With<ChunkPart>>();
+        query.iter(app.world()).filter(|(_, c)| c.parent() == before[&changed].0).map(|(e, _)| e).collect::<Vec<_>>()
+    };
+    let old = part(&mut app);
+    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::Chunks(BTreeSet::from([changed])));
+    let mut frames = 0;
+    while next.made.load(Ordering::Relaxed) == 0 {
+        assert_eq!(part(&mut app), old);
+        app.update();
+        frames += 1;
+        assert!(frames < 1000);
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    settle(&mut app);
+    let new = part(&mut app);
+    assert!(new.len() == 1 && new != old, "its mesh was replaced");
+    assert_eq!(chunks(&mut app), before, "the entities stay");
+    assert_eq!(next.made.load(Ordering::Relaxed), 1);
+    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::All);
+    settle(&mut app);
+    assert_eq!(next.made.load(Ordering::Relaxed), 1 + before.len());
+}
+
+#[test]
+fn another_chunk_size_replaces_every_chunk() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, _) = app(&maker, small());
+    settle(&mut app);
+    let before = chunks(&mut app).len();
+    let next = Fake { size: 256, ..Fake::new(|_| How::Make) };
+    app.world_mut().resource_mut::<SprawlSource>().settings.chunk_size = 256;
+    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::All);
+    settle(&mut app);
+    let after = chunks(&mut app).len();
+    assert!(after > 2 * before, "{before} {after}");
+    assert_eq!(entities(&mut app), 2 * after + 1);
+}
+
+#[test]
+fn detail_follows_the_anchor_and_events_tell() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    let log: Arc<std::sync::Mutex<(usize, usize, usize)>> = Arc::default();
+    let (ready, gone) = (log.clone(), log.clone());
+    app.add_observer(move |event: On<ChunkReady>, data: Query<&ChunkDetail>| {
+        assert_eq!(data.get(event.entity).unwrap().0, event.detail);
+        let mut log = ready.lock().unwrap();
+        if event.first { log.0 += 1 } else { log.1 += 1 }
+    });
+    app.add_observer(move |event: On<ChunkUnloaded>, data: Query<&ChunkDetail>| {
+        assert!(data.contains(event.entity), "everything is still in place");
+        gone.lock().unwrap().2 += 1;
+    });
+    settle(&mut app);
+    let loaded = chunks(&mut app).len();
+    assert_eq!(*log.lock().unwrap(), (loaded, 0, 0));
+    move_to(&mut app, anchor, Vec3::new(512.0, 0.0, 0.0));
+    settle(&mut app);
+    let details = |app: &mut App| {
+        let mut query = app.world_mut().query::<(&ChunkCoord, &ChunkDetail)>();
+        query.iter(app.world()).map(|(c, d)| (*c, d.0)).collect::<BTreeMap<_, _>>()
+    };
+    let detail = details(&mut app);
+    assert_eq!(detail[&ChunkCoord::new(1, 0)], Detail::Full);
+    assert_eq!(detail[&ChunkCoord::new(-1, 0)], Detail::Reduced);
+    assert!(log.lock().unwrap().1 > 0, "meshes were replaced");
+}
+
+#[test]
+fn chunks_that_a_game_despawns_come_again() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    settle(&mut app);
+    let (entity, _) = chunks(&mut app)[&ChunkCoord::new(0, 0)];
+    app.world_mut().despawn(entity);
+    move_to(&mut app, anchor, Vec3::new(10.0, 0.0, 0.0));
+    settle(&mut app);
+    assert_eq!(chunks(&mut app)[&ChunkCoord::new(0, 0)].1, ChunkStatus::Ready);
+}

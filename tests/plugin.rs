@@ -1,0 +1,235 @@
+//! The plugin as a server runs it: without a window, without a renderer, with the real generator.
+
+use bevy::prelude::*;
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::plugin::{ChunkDetail, SprawlWorld, WorldRejected};
+use bevy_sprawl::prelude::*;
+use bevy_sprawl::world::World as Sprawled;
+use glam::DVec2;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn app(plugin: SprawlPlugin, assets: AssetPlugin) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, assets, plugin));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn anchor() -> StreamAnchor {
+    StreamAnchor { load_radius: 500.0, unload_radius: 800.0, detail_radius: 250.0, ..default() }
+}
+
+fn run_until(app: &mut App, what: &str, mut done: impl FnMut(&mut App) -> bool) {
+    let start = Instant::now();
+    loop {
+        app.update();
+        if done(app) {
+            return;
+        }
+        assert!(start.elapsed() < PATIENCE, "waited in vain until {what}: {:?}", app.world().resource::<SprawlStats>());
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn settle(app: &mut App) {
+    let mut quiet = 0;
+    run_until(app, "everything is there", |app| {
+        let stats = app.world().resource::<SprawlStats>();
+        let busy = stats.chunks_loaded == 0 || stats.chunks_missing > 0 || stats.tasks_in_flight > 0;
+        quiet = if busy { 0 } else { quiet + 1 };
+        quiet > 20
+    });
+}
+
+fn world(app: &App) -> Sprawled {
+    app.world().resource::<SprawlWorld>().get().expect("there is a world").clone()
+}
+
+fn ask<T: Send + Sync + 'static>(app: &mut App, question: impl Fn(&Sprawl) -> T + Send + Sync + 'static) -> T {
+    app.world_mut().run_system_once(move |sprawl: Sprawl| question(&sprawl)).expect("the question can be asked")
+}
+
+use bevy::ecs::system::RunSystemOnce;
+
+/// Everything in the chunks that are there is what the generator makes, and each is where it belongs.
+fn check_chunks(app: &mut App) -> usize {
+    let (world, origin) = (world(app), *app.world().resource::<SprawlOrigin>());
+    let mut query = app.world_mut().query::<(&ChunkCoord, &ChunkData, &ChunkDetail, &Transform, &ChunkStatus)>();
+    let mut count = 0;
+    for (coord, data, _, transform, status) in query.iter(app.world()) {
+        let made = world.chunk(*coord, &Cancel::new()).expect("it can be made");
+        assert_eq!(data.streets, made.streets, "streets of {coord}");
+        assert_eq!(data.footprints, made.footprints, "buildings of {coord}");
+        assert_eq!(origin.to_plan(transform.translation), made.origin.plan());
+        assert_eq!(*status, ChunkStatus::Ready);
+        count += 1;
+    }
+    count
+}
+
+#[test]
+fn three_lines_put_a_player_on_a_street_with_ground_around() {
+    let mut app = app(SprawlPlugin::new(42), AssetPlugin::default());
+    let player = app.world_mut().spawn(anchor()).id();
+    settle(&mut app);
+    assert!(check_chunks(&mut app) >= 4);
+    let at = app.world().get::<Transform>(player).expect("it is there").translation;
+    let (ground, street, ready) =
+        ask(&mut app, move |s| (s.height(at), s.nearest_street(at, 5.0).map(|s| s.distance), s.is_ready(at)));
+    assert!((at.y - ground.expect("there is ground") - 1.7).abs() < 0.01);
+    assert!(street.expect("there is a street") < 0.1);
+    assert!(ready);
+    assert!(app.world().get_resource::<Assets<Mesh>>().is_none(), "nothing could draw a mesh");
+    // On foot for a kilometre: chunks come ahead and go behind.
+    let start = ask(&mut app, move |s| s.chunk_at(at));
+    for step in 0..50 {
+        app.world_mut().get_mut::<Transform>(player).expect("it is there").translation = at + Vec3::X * 25.0 * step as f32;
+        app.update();
+    }
+    settle(&mut app);
+    check_chunks(&mut app);
+    assert_eq!(ask(&mut app, move |s| start.and_then(|c| s.status(c))), None, "the first chunk is gone");
+}
+
+#[test]
+fn far_out_the_same_world_is_near_the_origin() {
+    let far = DVec2::new(3.0e8, -2.0e8);
+    let mut app = app(SprawlPlugin::new(7).starting_at(far), AssetPlugin::default());
+    let shifts: Arc<Mutex<Vec<Vec3>>> = Arc::default();
+    let log = shifts.clone();
+    app.add_observer(move |shift: On<OriginShifted>| log.lock().expect("not poisoned").push(shift.by));
+    let player = app.world_mut().spawn(anchor()).id();
+    let friend = app.world_mut().spawn((ShiftsWithOrigin, Transform::from_xyz(10.0, 0.0, 0.0))).id();
+    settle(&mut app);
+    let at = |app: &App, e: Entity| app.world().get::<Transform>(e).expect("it is there").translation;
+    let before = app.world().resource::<SprawlOrigin>().to_plan(at(&app, friend));
+    let start = at(&app, player);
+    app.world_mut().get_mut::<Transform>(player).expect("it is there").translation = start + Vec3::X * 9_000.0;
+    settle(&mut app);
+    assert!(check_chunks(&mut app) >= 4);
+    assert!(!shifts.lock().expect("not poisoned").is_empty());
+    assert!(at(&app, player).length() < 6_000.0);
+    assert_eq!(app.world().resource::<SprawlOrigin>().to_plan(at(&app, friend)), before);
+}
+
+#[test]
+fn questions_are_answered_anywhere() {
+    let mut app = app(SprawlPlugin::new(42), AssetPlugin::default());
+    app.update();
+    let (start, town) = ask(&mut app, |s| {
+        let start = s.spawn_point(Vec3::ZERO).expect("there is a street somewhere");
+        (start, s.nearest_town(start.position).expect("there is a town"))
+    });
+    let centre = town.centre.plan();
+    let (there, name) = ask(&mut app, move |s| {
+        let there = s.on_ground(centre).expect("there is ground");
+        (there, s.settlement_at(there).map(|t| t.name.clone()))
+    });
+    assert_eq!(name.as_ref(), Some(&town.name));
+    let (back, way) = ask(&mut app, move |s| (s.to_plan(there), s.route(start.position, there)));
+    assert!(back.distance(centre) < 0.01);
+    let way = way.expect("streets of a town are connected");
+    assert!(way.length >= start.position.xz().distance(there.xz()) as f64 - 200.0);
+}
+
+/// A copy of the bundled assets that a test may change.
+fn folder(name: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&root);
+    for kind in ["styles", "patches"] {
+        let to = root.join("sprawl").join(kind);
+        std::fs::create_dir_all(&to).expect("a folder");
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets").join(kind);
+        for file in std::fs::read_dir(from).expect("the bundled assets") {
+            let file = file.expect("a file").path();
+            std::fs::copy(&file, to.join(file.file_name().expect("a name"))).expect("a copy");
+        }
+    }
+    root
+}
+
+#[test]
+fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
+    let root = folder("reload");
+    let assets = AssetPlugin { file_path: root.to_string_lossy().into_owned(), ..default() };
+    let mut app = app(SprawlPlugin::new(42).assets_from("sprawl"), assets);
+    let rejected: Arc<Mutex<Vec<AssetRejected>>> = Arc::default();
+    let remade: Arc<Mutex<Vec<ChunkCoord>>> = Arc::default();
+    let (no, yes) = (rejected.clone(), remade.clone());
+    app.add_observer(move |event: On<AssetRejected>| no.lock().expect("not poisoned").push(event.clone()));
+    app.add_observer(move |event: On<ChunkReady>| {
+        if !event.first {
+            yes.lock().expect("not poisoned").push(event.coord);
+        }
+    });
+    app.add_observer(|event: On<WorldRejected>| panic!("{}", event.error));
+    let player = app.world_mut().spawn(anchor()).id();
+    settle(&mut app);
+    let at = app.world().get::<Transform>(player).expect("it is there").translation;
+    let style = ask(&mut app, move |s| s.settlement_at(at).or(s.nearest_town(at))).expect("a town").style.clone();
+    let (asset, file) = (format!("sprawl/styles/{style}.ron"), root.join(format!("sprawl/styles/{style}.ron")));
+    let good = std::fs::read_to_string(&file).expect("the style");
+    let loaded = check_chunks(&mut app);
+    remade.lock().expect("not poisoned").clear();
+
+    std::fs::write(&file, "(\n    main: (length: 250.0),\n    nonsense: 3,\n)").expect("written");
+    app.world().resource::<AssetServer>().reload(asset.clone());
+    run_until(&mut app, "the file is refused", |_| !rejected.lock().expect("not poisoned").is_empty());
+    let error = rejected.lock().expect("not poisoned")[0].clone();
+    assert!(error.file.ends_with(&format!("{style}.ron")) && error.line == 3, "{error:?}");
+    assert!(error.reason.contains("nonsense"), "{error:?}");
+    for _ in 0..50 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<SprawlWorld>().revision(), 1);
+    assert!(remade.lock().expect("not poisoned").is_empty());
+    assert_eq!(check_chunks(&mut app), loaded);
+
+    // The same style with every lot empty.
+    let before = world(&app);
+    let mut changed = bevy_sprawl::town::Style::from_ron(&file.to_string_lossy(), &good).expect("the bundled style");
+    changed.parcels.vacant = 1.0;
+    let text = ron::ser::to_string(&changed).expect("a style can be written");
+    std::fs::write(&file, text).expect("written");
+    app.world().resource::<AssetServer>().reload(asset);
+    run_until(&mut app, "there is a new world", |app| app.world().resource::<SprawlWorld>().revision() == 2);
+    settle(&mut app);
+    let after = world(&app);
+    assert_eq!(check_chunks(&mut app), loaded);
+    let mut remade = remade.lock().expect("not poisoned").clone();
+    remade.sort();
+    remade.dedup();
+    let mut query = app.world_mut().query::<&ChunkCoord>();
+    for coord in query.iter(app.world()) {
+        let chunk = |world: &Sprawled| world.chunk(*coord, &Cancel::new()).expect("it can be made");
+        let same = chunk(&before).footprints == chunk(&after).footprints;
+        assert!(same || remade.contains(coord), "{coord} was forgotten");
+        assert!(chunk(&after).settlements.iter().any(|s| s.style == style) || chunk(&after).footprints == chunk(&before).footprints);
+    }
+    assert!(!remade.is_empty());
+}
+
+#[test]
+fn another_seed_replaces_the_world_under_the_player() {
+    let mut app = app(SprawlPlugin::new(1), AssetPlugin::default());
+    app.world_mut().spawn(StreamAnchor { start_on_street: false, ..anchor() });
+    settle(&mut app);
+    app.world_mut().resource_mut::<SprawlSource>().seed = Seed(2);
+    run_until(&mut app, "there is a new world", |app| app.world().resource::<SprawlWorld>().revision() == 2);
+    settle(&mut app);
+    assert_eq!(world(&app).seed(), Seed(2));
+    assert!(check_chunks(&mut app) >= 4);
+    // Settings that make no world are refused, and the last world stays.
+    app.world_mut().resource_mut::<SprawlSource>().settings.chunk_size = 500;
+    for _ in 0..100 {
+        app.update();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(app.world().resource::<SprawlWorld>().revision(), 2);
+    assert!(check_chunks(&mut app) >= 4);
+}
