@@ -4,13 +4,11 @@
 
 use super::canvas::{Canvas, NONE, Near, Node, Seg, nearest};
 use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
 use crate::seam::STUB_LENGTH;
 use crate::space::{math::angle_between, quantize, segment_crossing};
 use crate::streets::MadeBy;
 use glam::DVec2;
-
-/// Least distance between streets that share no junction.
-pub(super) const STREET_FLOOR: f64 = 14.5;
 
 /// Least distance of a dead end from any street that it does not join.
 const DEAD_END_FLOOR: f64 = 13.0;
@@ -410,7 +408,7 @@ impl Checker {
             along = along.min(away + joint.along(s, r));
             let root = self.roots[index] & (1 << k) != 0;
             shared |= root && joint.shared.contains(&s.edge);
-            from_port |= root && joint.is_port && away < STUB_LENGTH + 5.0;
+            from_port |= root && joint.is_port && away < STUB_LENGTH;
         }
         let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
         let mut needed = base.min(WEDGE * along);
