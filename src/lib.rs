@@ -1,6 +1,26 @@
 //! Endless streamed worlds of towns.
+//!
+//! Terrain, settlements, the roads between them, main streets, local streets from example patches, blocks, lots and
+//! buildings, all a pure function of a seed, settings, styles and patch sets: the same in any order, on any number of
+//! threads, on any machine. [`world::World`] is the generator; with the feature `bevy`, `plugin::SprawlPlugin` streams it
+//! around the player.
+//!
+//! | feature | default | adds |
+//! |---|---|---|
+//! | `bevy` | yes | the plugin |
+//! | `window` | yes | what the examples need besides: a window and an egui panel |
+//! | `cli` | no | the `sprawl` command line and the exporters |
+//!
+//! The modules are layers, bottom to top: [`space`], [`network`], [`patch`] and [`layer`] know no other; then
+//! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`parcel`], [`chunk`] and [`mesh`], each reading only those
+//! below it; and [`world`] over all of them.
+//!
+//! The plan's axes are x east and y north in metres; angles are radians, counter-clockwise from east. In Bevy a plan point
+//! is `(x, height, -y)`.
 
 pub mod chunk;
+#[cfg(feature = "cli")]
+pub mod export;
 pub mod layer;
 pub mod mesh;
 pub mod network;

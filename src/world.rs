@@ -1,31 +1,48 @@
-//! The face of the generator, layers 1 to 9.
+//! The face of the generator, layers 1 to 8.
 
 mod area;
 mod assets;
+mod audit;
+mod route;
 mod settings;
 
 pub use area::{Area, Owned};
-pub use assets::WorldAssets;
+pub use assets::{WorldAssets, WorldError};
+pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use route::Route;
 pub use settings::{CacheSettings, Settings};
 
-use crate::chunk::Chunk;
-use crate::layer::{Cancel, LayerError, RangeError};
+use crate::chunk::{self, Chunk, Ground, Layers, SeamedTown};
+use crate::layer::{Cancel, LayerCache, LayerError, Reach};
 use crate::network::Street;
 use crate::region::{Roads, Settlement, Settlements};
-use crate::space::{Bounds, ChunkCoord, Origin, Seed};
-use crate::terrain::Terrain;
-use crate::town::Town;
+use crate::space::{Bounds, ChunkCoord, Origin, Seed, closest_on_line};
+use crate::terrain::{NoiseTerrain, Terrain};
 use glam::DVec2;
 use std::sync::Arc;
 
 /// An endless world, a pure function of seed, settings and assets. Cheap to clone; clones share their caches.
+///
+/// ```
+/// use bevy_sprawl::{layer::Cancel, space::{ChunkCoord, Seed}, world::{Settings, World, WorldAssets}};
+///
+/// let world = World::new(Seed(7), Settings::default(), WorldAssets::bundled())?;
+/// let chunk = world.chunk(ChunkCoord::new(0, -3), &Cancel::new())?;
+/// println!("{} streets, {} buildings", chunk.streets.len(), chunk.footprints.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct World {
-    #[allow(dead_code)]
     inner: Arc<Inner>,
 }
 
-struct Inner {}
+struct Inner {
+    seed: Seed,
+    settings: Settings,
+    assets: WorldAssets,
+    layers: Layers,
+    chunks: LayerCache<ChunkCoord, Chunk>,
+}
 
 /// The street nearest to a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,69 +58,124 @@ pub struct NearestStreet {
 }
 
 impl World {
-    /// A world on the default terrain. Fails on settings outside their ranges, and on styles that the settings name and
-    /// the assets lack.
-    pub fn new(_seed: Seed, _settings: Settings, _assets: WorldAssets) -> Result<Self, RangeError> {
-        todo!()
+    /// A world on the default terrain. Fails on settings outside their ranges, and when a style or patch set that is
+    /// named is missing from the assets.
+    pub fn new(seed: Seed, settings: Settings, assets: WorldAssets) -> Result<Self, WorldError> {
+        settings.check()?;
+        let terrain = Arc::new(NoiseTerrain::new(seed, &settings.terrain));
+        Self::on_terrain(seed, settings, assets, terrain)
+    }
+
+    /// A world on a terrain of your own; `settings.terrain` is not used. Fails as [`World::new`] does.
+    pub fn on_terrain(
+        seed: Seed,
+        settings: Settings,
+        assets: WorldAssets,
+        terrain: Arc<dyn Terrain>,
+    ) -> Result<Self, WorldError> {
+        settings.check()?;
+        let kits = assets.kits(&settings)?;
+        let mib = |mib: f64| (mib * 1024.0 * 1024.0) as usize;
+        let region = mib(settings.cache.region_mib);
+        let settlements = Arc::new(Settlements::new(seed, &settings.settlements, terrain.clone(), region / 4));
+        let roads = Roads::new(&settings.roads, terrain.clone(), settlements.clone(), region / 4 * 3);
+        let layers = Layers::new(seed, terrain, settlements, roads, kits, mib(settings.cache.town_mib));
+        let chunks = LayerCache::new(mib(settings.cache.chunk_mib));
+        Ok(Self { inner: Arc::new(Inner { seed, settings, assets, layers, chunks }) })
     }
 
     /// Settings it was made with.
     pub fn settings(&self) -> &Settings {
-        todo!()
+        &self.inner.settings
+    }
+
+    /// Styles and patch sets it was made with.
+    pub fn assets(&self) -> &WorldAssets {
+        &self.inner.assets
     }
 
     /// The seed it was made with.
     pub fn seed(&self) -> Seed {
-        todo!()
+        self.inner.seed
+    }
+
+    /// The layers below the chunk.
+    pub fn layers(&self) -> &Layers {
+        &self.inner.layers
     }
 
     /// The ground.
     pub fn terrain(&self) -> &Arc<dyn Terrain> {
-        todo!()
+        self.inner.layers.terrain()
     }
 
     /// Its settlements.
     pub fn settlements(&self) -> &Settlements {
-        todo!()
+        self.inner.layers.settlements()
     }
 
     /// Its roads.
     pub fn roads(&self) -> &Roads {
-        todo!()
+        self.inner.layers.roads()
     }
 
-    /// Main streets and main cells of a settlement.
-    pub fn town(&self, _settlement: &Arc<Settlement>, _cancel: &Cancel) -> Result<Arc<Town>, LayerError> {
-        todo!()
+    /// Main streets, main cells and seams of a settlement.
+    pub fn town(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<SeamedTown>, LayerError> {
+        self.inner.layers.town(settlement, cancel)
     }
 
     /// What a chunk owns.
-    pub fn chunk(&self, _coord: ChunkCoord, _cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
-        todo!()
+    pub fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
+        let inner = &*self.inner;
+        inner.chunks.get(&coord, || chunk::assemble(&inner.layers, coord, inner.settings.chunk_size, cancel))
     }
 
     /// Everything that overlaps a box (plan metres), streets whole and with both their junctions.
-    pub fn area(&self, _bounds: Bounds, _cancel: &Cancel) -> Result<Area, LayerError> {
-        todo!()
+    pub fn area(&self, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
+        Area::gather(&self.inner.layers, bounds, self.inner.settings.chunk_size, cancel)
     }
 
     /// Height of the drawn ground at a plan point, in metres.
-    pub fn height_at(&self, _p: DVec2) -> f64 {
-        todo!()
+    pub fn height_at(&self, p: DVec2) -> f64 {
+        Ground::height_at(&**self.terrain(), p)
     }
 
     /// The settlement whose outline holds a plan point.
-    pub fn settlement_at(&self, _p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
-        todo!()
+    pub fn settlement_at(&self, p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
+        self.settlements().at(p)
     }
 
     /// The street nearest to a plan point, within `reach` metres.
-    pub fn nearest_street(
-        &self,
-        _p: DVec2,
-        _reach: f64,
-        _cancel: &Cancel,
-    ) -> Result<Option<NearestStreet>, LayerError> {
-        todo!()
+    pub fn nearest_street(&self, p: DVec2, reach: f64, cancel: &Cancel) -> Result<Option<NearestStreet>, LayerError> {
+        let bounds = Bounds::square(p, 2.0 * reach);
+        let overlap = self.inner.layers.overlapping(bounds, &Reach::new("nearest street", bounds, 0.0), cancel)?;
+        let mut best: Option<NearestStreet> = None;
+        for found in overlap.streets {
+            let local = found.origin.to_local(p);
+            let at = closest_on_line(local, &found.it.street.line).1;
+            let distance = at.distance(local);
+            if distance <= reach && best.as_ref().is_none_or(|b| distance < b.distance) {
+                let (street, origin) = (found.it.street, found.origin);
+                best = Some(NearestStreet { street, origin, at: origin.to_plan(at), distance });
+            }
+        }
+        Ok(best)
+    }
+
+    /// The shortest way along streets between two plan points, looking at streets within `margin` metres of the box around
+    /// both. `None` when no street is that near, or none leads there within the box.
+    pub fn route(&self, from: DVec2, to: DVec2, margin: f64, cancel: &Cancel) -> Result<Option<Route>, LayerError> {
+        Route::find(&self.inner.layers, from, to, margin, cancel)
+    }
+
+    /// Forgets every chunk and filled main cell; towns and roads stay. They are made again, the same, when asked for.
+    pub fn forget_chunks(&self) {
+        self.inner.chunks.clear();
+        self.inner.layers.forget_cells();
+    }
+
+    /// Bytes that the caches hold now: towns with streets and parcels, and chunks.
+    pub fn cached_bytes(&self) -> u64 {
+        self.inner.layers.bytes() + self.inner.chunks.bytes()
     }
 }

@@ -4,9 +4,14 @@
 //! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
 //! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut.
 
+mod assemble;
 mod ground;
+mod layers;
 
+pub use assemble::assemble;
+pub(crate) use assemble::{owner_of, street_owner};
 pub use ground::{GROUND_STEP, Ground};
+pub use layers::{Layers, SeamedTown, StyleKit};
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};
@@ -39,6 +44,8 @@ pub struct Chunk {
     pub junctions: Vec<Junction>,
     /// Streets whose midpoint lies in it, sorted by id. Their ends may lie in other chunks: join by id.
     pub streets: Vec<PlacedStreet>,
+    /// Streets of other chunks that end at one of `junctions`, sorted by id: with them a junction knows all that meets there.
+    pub arriving: Vec<Street>,
     /// Blocks of the main cells it owns.
     pub blocks: Vec<Block>,
     /// Lots of the main cells it owns.

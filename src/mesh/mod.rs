@@ -1,9 +1,21 @@
-//! Layer 9: vertex buffers of a chunk. Reads the chunk and terrain; padding 0.
+//! Layer 9: vertex buffers of a chunk. Reads the chunk, and terrain under its streets where they leave its square and one
+//! ground vertex around it; padding: the length of the longest street.
 //!
 //! Axes are Bevy's: x east, y up, z south, in metres from the chunk's south-west corner.
 
+mod buffers;
 mod build;
+mod buildings;
+mod drape;
+mod ground;
+mod junctions;
+mod ribbon;
+mod roofs;
+#[cfg(test)]
+mod tests;
+mod windows;
 
+pub use buffers::MeshBuffers;
 pub use build::build;
 
 /// Level of detail.
@@ -11,21 +23,9 @@ pub use build::build;
 pub enum Detail {
     /// Everything.
     Full,
-    /// For the distance: coarse ground, streets as flat ribbons, buildings as boxes.
+    /// For the distance: coarse ground (whole along its border, so that it meets the ground of any other detail without a
+    /// crack), streets as flat ribbons, buildings as boxes.
     Reduced,
-}
-
-/// Vertices and triangles (counter-clockwise seen from the front) with a normal and a linear RGBA colour each.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshBuffers {
-    /// Positions in metres.
-    pub positions: Vec<[f32; 3]>,
-    /// Unit normals.
-    pub normals: Vec<[f32; 3]>,
-    /// Linear RGBA.
-    pub colours: Vec<[f32; 4]>,
-    /// Three per triangle.
-    pub indices: Vec<u32>,
 }
 
 /// The meshes of a chunk, one for each material. Any may be empty.
@@ -37,6 +37,8 @@ pub struct ChunkMesh {
     pub water: MeshBuffers,
     /// Streets and junctions.
     pub roads: MeshBuffers,
-    /// Buildings.
+    /// Buildings: each a closed solid.
     pub buildings: MeshBuffers,
+    /// Panes of windows and doors, just before the walls.
+    pub windows: MeshBuffers,
 }

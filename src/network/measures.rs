@@ -32,7 +32,8 @@ pub struct Measures {
     pub components: usize,
 }
 
-/// Measures a network.
+/// Measures a network. Streets may end at junctions that are not listed: those count with their length and at their other
+/// end alone, so that a part of a network can be measured with the true degrees of its junctions.
 pub fn measure(network: &Network) -> Measures {
     let ends: BTreeMap<JunctionId, usize> = network.junctions.iter().enumerate().map(|(i, j)| (j.id, i)).collect();
     let mut leaving: Vec<Vec<DVec2>> = vec![Vec::new(); network.junctions.len()];
@@ -49,12 +50,17 @@ pub fn measure(network: &Network) -> Measures {
             let turns = (angle_of(direction) / TAU * 36.0 + 36.5).floor() as usize;
             bins[turns % 36] += 1;
         }
-        let (Some(&from), Some(&to)) = (ends.get(&street.from), ends.get(&street.to)) else { continue };
-        leaving[from].push(line[1] - line[0]);
-        leaving[to].push(line[n - 2] - line[n - 1]);
-        (touched[from], touched[to]) = (true, true);
-        let (a, b) = (root(&mut parent, from), root(&mut parent, to));
-        parent[a] = b;
+        let (from, to) = (ends.get(&street.from).copied(), ends.get(&street.to).copied());
+        for (end, outward) in [(from, line[1] - line[0]), (to, line[n - 2] - line[n - 1])] {
+            if let Some(end) = end {
+                leaving[end].push(outward);
+                touched[end] = true;
+            }
+        }
+        if let (Some(from), Some(to)) = (from, to) {
+            let (a, b) = (root(&mut parent, from), root(&mut parent, to));
+            parent[a] = b;
+        }
     }
     let mut out = Measures { street_km: length / 1000.0, ..Default::default() };
     let mut sharp = 0;

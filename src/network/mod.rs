@@ -3,11 +3,13 @@
 //!
 //! Part of the ground floor: knows no layer.
 
+mod crossings;
 mod faces;
 mod measures;
 mod planar;
 mod street;
 
+pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
 pub use measures::{Measures, measure};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};

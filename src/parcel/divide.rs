@@ -1,8 +1,51 @@
-//! Dividing.
-use crate::layer::{Cancel, LayerError};
-use crate::parcel::{CellParcels, ParcelBrief};
+//! Divides a main cell: blocks, their use, lots and footprints.
 
-/// Divides a main cell into blocks, lots and footprints.
-pub fn divide(_brief: &ParcelBrief<'_>, _cancel: &Cancel) -> Result<CellParcels, LayerError> {
-    todo!()
+use crate::layer::{Cancel, LayerError};
+use crate::parcel::blocks::blocks;
+use crate::parcel::footprints::{footprint, storeys};
+use crate::parcel::lots::lots;
+use crate::parcel::{Block, BlockUse, CellParcels, Footprint, Lot, ParcelBrief};
+use crate::space::{QUANTUM, quantize, stable_hash};
+use glam::DVec2;
+
+/// Divides a main cell into blocks, lots and footprints; fails only when cancelled.
+///
+/// Blocks are what the full widths of the streets leave of the cell; pieces too small or thin to use are left out. Lots
+/// are strips along the streets cut across, in the spirit of the skeleton subdivision of Vanegas et al. 2012
+/// ("Procedural generation of parcels in urban modeling", section 4): each has a frontage, those of a block are disjoint,
+/// and what lies too deep inside a block belongs to none. A built block that has no room for a lot is a park.
+pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, LayerError> {
+    let mut out = CellParcels::default();
+    let shapes = blocks(brief.border, brief.streets);
+    cancel.check()?;
+    for shape in shapes {
+        let id = stable_hash(&[brief.id.0, word(shape.polygon[0]), word(shape.polygon[1])]);
+        let mut rng = brief.seed.stream("parcel", &[brief.id.0, id]);
+        let park = rng.chance(brief.rules.parks);
+        let parcels = if park { Vec::new() } else { lots(&shape, brief.rules, &mut rng) };
+        let used_as = if parcels.is_empty() { BlockUse::Park } else { BlockUse::Built };
+        out.blocks.push(Block { id, polygon: shape.polygon, used_as });
+        for lot in parcels {
+            let polygon: Vec<DVec2> = lot.polygon.iter().map(|p| quantize(*p)).collect();
+            let lot_id = stable_hash(&[id, word(polygon[0]), word(polygon[1])]);
+            let mut rng = brief.seed.stream("parcel", &[brief.id.0, lot_id]);
+            let built = !rng.chance(brief.rules.vacant);
+            if let Some(plan) = built.then(|| footprint(&lot, brief.rules, &mut rng)).flatten() {
+                out.footprints.push(Footprint {
+                    id: stable_hash(&[lot_id, 1]),
+                    lot: lot_id,
+                    polygon: plan,
+                    storeys: storeys(brief.rules, brief.centrality, &mut rng),
+                });
+            }
+            out.lots.push(Lot { id: lot_id, block: id, polygon, street: brief.streets[lot.street].id });
+        }
+    }
+    Ok(out)
+}
+
+/// A point of the quantum grid as one word.
+fn word(p: DVec2) -> u64 {
+    let [x, y] = (p / QUANTUM).round().to_array().map(|v| v as i64 as u64);
+    x ^ y.rotate_left(32)
 }

@@ -1,6 +1,13 @@
-//! Layer 7: blocks, lots, footprints and parks of a main cell. Reads the cell and its streets; padding as the town's.
+//! Layer 7: blocks, lots, footprints and parks of a main cell. Reads the cell and its streets; nothing outside the cell, so
+//! the padding is that of the town.
 
+mod blocks;
+mod convex;
 mod divide;
+mod footprints;
+mod lots;
+#[cfg(test)]
+pub(crate) mod tests;
 
 pub use divide::divide;
 
@@ -30,7 +37,7 @@ pub struct ParcelBrief<'a> {
 pub enum BlockUse {
     /// Lots with buildings.
     Built,
-    /// A park.
+    /// A park, or land without room for a lot.
     Park,
 }
 

@@ -8,5 +8,5 @@ pub mod road;
 pub mod settlement;
 
 pub use outline::Outline;
-pub use road::{Gate, Link, Road, RoadSettings, Roads};
-pub use settlement::{Settlement, SettlementId, SettlementSettings, Settlements, SizeClass};
+pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
+pub use settlement::{PerSize, Settlement, SettlementId, SettlementSettings, Settlements, SizeClass};

@@ -1,11 +1,30 @@
-//! Layer 2: settlements on jittered lattices, a tier per size class.
-use crate::layer::{LayerError, RangeError};
+//! Layer 2: settlements on jittered lattices, one lattice for each size class.
+//!
+//! A lattice cell tries a few places of its own and takes the most suitable. A place too near a settlement of a higher
+//! tier is no place; of two of one tier that are too near each other, the one of higher rank, a hash, stays. Both rules
+//! look at near cells only and at nothing that was decided before, so the order of queries changes nothing.
+
+mod name;
+mod settings;
+pub(super) mod site;
+
+pub use settings::{PerSize, SettlementSettings};
+
+use crate::layer::{LayerCache, LayerError, Reach, Weigh};
 use crate::region::Outline;
-use crate::space::{Bounds, Origin, Seed};
+use crate::region::outline::{BORDER, power_line};
+use crate::space::{Bounds, Origin, Seed, Stream, stable_hash};
 use crate::terrain::Terrain;
-use glam::DVec2;
+use glam::{DVec2, I64Vec2};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Places that a lattice cell tries.
+const PLACES: usize = 6;
+/// Share of its radius that a settlement keeps free of the line to a neighbour, and the least of that in metres.
+const KEEP: (f64, f64) = (0.6, 110.0);
+/// Circles nearer than this bound each other's outlines.
+const NEIGHBOUR: f64 = 3.0 * BORDER;
 
 /// Stable name of a settlement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -22,10 +41,33 @@ pub enum SizeClass {
     City,
 }
 
+impl SizeClass {
+    /// Every class, highest tier first.
+    pub const ALL: [Self; 3] = [Self::City, Self::Town, Self::Village];
+
+    /// Lower-case name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::City => "city",
+            Self::Town => "town",
+            Self::Village => "village",
+        }
+    }
+
+    /// The higher tiers, highest first.
+    fn higher(self) -> &'static [Self] {
+        match self {
+            Self::City => &[],
+            Self::Town => &Self::ALL[..1],
+            Self::Village => &Self::ALL[..2],
+        }
+    }
+}
+
 /// A settlement: where it is, how large, in which style.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settlement {
-    /// Stable name, a hash of tier and lattice cell.
+    /// Stable name, a hash of tier and lattice cell; never 0.
     pub id: SettlementId,
     /// Centre, a whole-metre plan point: the origin that everything in the settlement is local to.
     pub centre: Origin,
@@ -39,59 +81,260 @@ pub struct Settlement {
     pub name: String,
 }
 
-/// Settings of settlements.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SettlementSettings {}
-
-impl SettlementSettings {
-    /// Checks ranges.
-    pub fn check(&self) -> Result<(), RangeError> {
-        Ok(())
+impl Settlement {
+    /// Whether its circle shares a point with a box (plan metres).
+    fn touches(&self, bounds: Bounds) -> bool {
+        let centre = self.centre.plan();
+        centre.distance_squared(centre.clamp(bounds.min, bounds.max)) <= self.radius * self.radius
     }
 }
 
+/// What a lattice cell holds.
+#[derive(Debug)]
+struct Cell(Option<Arc<Settlement>>);
+
+impl Weigh for Cell {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.0.as_ref().map_or(0, |s| size_of::<Settlement>() + s.style.len() + s.name.len())
+    }
+}
+
+impl Weigh for Outline {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of::<DVec2>() * self.polygon.len()
+    }
+}
+
+type CellCache = LayerCache<I64Vec2, Cell>;
+
 /// All settlements of a world, found by place.
-pub struct Settlements {}
+#[derive(Debug)]
+pub struct Settlements {
+    seed: Seed,
+    settings: SettlementSettings,
+    terrain: TerrainHandle,
+    /// The best place of a cell, before it is compared with those of its tier.
+    candidates: PerSize<CellCache>,
+    accepted: PerSize<CellCache>,
+    outlines: LayerCache<SettlementId, Outline>,
+}
+
+/// The terrain, which need not be `Debug`.
+struct TerrainHandle(Arc<dyn Terrain>);
+
+impl std::fmt::Debug for TerrainHandle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Terrain")
+    }
+}
 
 impl Settlements {
-    /// Settlements of `seed` on `terrain`. `cache_bytes` bounds the memory of what is remembered.
-    pub fn new(_seed: Seed, _settings: &SettlementSettings, _terrain: Arc<dyn Terrain>, _cache_bytes: usize) -> Self {
-        Self {}
+    /// Settlements of `seed` on `terrain`; `settings` are taken as checked. `cache_bytes` bounds the memory of what is
+    /// remembered.
+    pub fn new(seed: Seed, settings: &SettlementSettings, terrain: Arc<dyn Terrain>, cache_bytes: usize) -> Self {
+        Self {
+            seed,
+            settings: settings.clone(),
+            terrain: TerrainHandle(terrain),
+            candidates: PerSize::from_fn(|_| CellCache::new(cache_bytes / 12)),
+            accepted: PerSize::from_fn(|_| CellCache::new(cache_bytes / 12)),
+            outlines: LayerCache::new(cache_bytes / 2),
+        }
     }
 
     /// Settlements whose centre lies in `bounds` (plan metres), sorted by id.
-    pub fn centred_in(&self, _bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        todo!()
+    pub fn centred_in(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        self.collect(bounds, 0.0, |s| bounds.contains(s.centre.plan()))
     }
 
     /// The same of one size class.
-    pub fn centred_in_of(&self, _bounds: Bounds, _size: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        todo!()
-    }
-
-    /// The settlement with this id, if the world has one.
-    pub fn by_id(&self, _id: SettlementId) -> Result<Option<Arc<Settlement>>, LayerError> {
-        todo!()
+    pub fn centred_in_of(&self, bounds: Bounds, size: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let mut found = vec![];
+        self.accepted_in(bounds, size, |s| found.push(s))?;
+        found.sort_by_key(|s| s.id);
+        Ok(found)
     }
 
     /// Outline of a settlement.
-    pub fn outline(&self, _settlement: &Settlement) -> Result<Arc<Outline>, LayerError> {
-        todo!()
+    pub fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError> {
+        self.outlines.get(&settlement.id, || {
+            let own = Bounds::square(settlement.centre.plan(), 0.0);
+            let padding = settlement.radius + self.largest_radius() + NEIGHBOUR;
+            let near = Reach::new("outline", own, padding).check(own.grown(padding))?;
+            let mut neighbours = self.centred_in(near)?;
+            neighbours.retain(|n| {
+                let apart = settlement.centre.offset_to(n.centre).length();
+                apart < settlement.radius + n.radius + NEIGHBOUR
+            });
+            Ok(Outline::new(self.seed, &*self.terrain.0, self.settings.max_slope, settlement, &neighbours))
+        })
     }
 
     /// Settlements whose outline may overlap `bounds` (their circles do), sorted by id.
-    pub fn overlapping(&self, _bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        todo!()
+    pub fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        self.collect(bounds, 1.0, |s| s.touches(bounds))
     }
 
     /// The settlement whose outline holds the plan point `p`.
-    pub fn at(&self, _p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
-        todo!()
+    pub fn at(&self, p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
+        for settlement in self.overlapping(Bounds::new(p, p))? {
+            if self.outline(&settlement)?.contains(p) {
+                return Ok(Some(settlement));
+            }
+        }
+        Ok(None)
     }
 
     /// Largest radius of any settlement, in metres.
     pub fn largest_radius(&self) -> f64 {
-        todo!()
+        self.settings.largest_radius()
+    }
+
+    /// Settlements of all tiers in `bounds`, grown by `radii` times the greatest radius of the tier, that are `wanted`.
+    fn collect(
+        &self,
+        bounds: Bounds,
+        radii: f64,
+        wanted: impl Fn(&Settlement) -> bool,
+    ) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let mut found = vec![];
+        for size in SizeClass::ALL {
+            let near = bounds.grown(radii * self.settings.radius.of(size).1);
+            self.accepted_in(near, size, |s| {
+                if wanted(&s) {
+                    found.push(s);
+                }
+            })?;
+        }
+        found.sort_by_key(|s| s.id);
+        Ok(found)
+    }
+
+    /// The accepted settlements of one tier with their centre in `bounds`.
+    fn accepted_in(
+        &self,
+        bounds: Bounds,
+        size: SizeClass,
+        mut take: impl FnMut(Arc<Settlement>),
+    ) -> Result<(), LayerError> {
+        for cell in self.cells(bounds, size) {
+            let found = self.accepted.of(size).get(&cell, || Ok(Cell(self.accept(cell, size)?)))?;
+            if let Some(settlement) = &found.0
+                && bounds.contains(settlement.centre.plan())
+            {
+                take(settlement.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// Lattice cells of a tier that share a point with `bounds`. A settlement's centre lies in its cell.
+    fn cells(&self, bounds: Bounds, size: SizeClass) -> impl Iterator<Item = I64Vec2> + use<> {
+        let spacing = *self.settings.spacing.of(size);
+        let (low, high) = ((bounds.min / spacing).floor().as_i64vec2(), (bounds.max / spacing).floor().as_i64vec2());
+        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec2::new(x, y)))
+    }
+
+    /// Box of a lattice cell.
+    fn cell_bounds(&self, cell: I64Vec2, size: SizeClass) -> Bounds {
+        let spacing = *self.settings.spacing.of(size);
+        Bounds::new(cell.as_dvec2() * spacing, (cell + 1).as_dvec2() * spacing)
+    }
+
+    fn stream(&self, cell: I64Vec2, size: SizeClass) -> Stream {
+        self.seed.stream("settlement", &[size as u64, cell.x as u64, cell.y as u64])
+    }
+
+    /// The candidate of a cell, unless a candidate of its tier with a higher rank is too near.
+    fn accept(&self, cell: I64Vec2, size: SizeClass) -> Result<Option<Arc<Settlement>>, LayerError> {
+        let Some(own) = self.candidate(cell, size)?.0.clone() else { return Ok(None) };
+        let padding = self.too_near(size, size);
+        let reach = Reach::new("settlement", self.cell_bounds(cell, size), padding);
+        let near = reach.check(Bounds::square(own.centre.plan(), 2.0 * padding))?;
+        for other in self.cells(near, size).filter(|c| *c != cell) {
+            if let Some(other) = &self.candidate(other, size)?.0
+                && rank(other) > rank(&own)
+                && self.conflict(&own, other.centre, other.radius)
+            {
+                return Ok(None);
+            }
+        }
+        Ok(Some(own))
+    }
+
+    fn candidate(&self, cell: I64Vec2, size: SizeClass) -> Result<Arc<Cell>, LayerError> {
+        self.candidates.of(size).get(&cell, || Ok(Cell(self.choose(cell, size)?)))
+    }
+
+    /// The most promising of the places of a cell that suit.
+    fn choose(&self, cell: I64Vec2, size: SizeClass) -> Result<Option<Arc<Settlement>>, LayerError> {
+        let s = &self.settings;
+        let mut stream = self.stream(cell, size);
+        if !stream.chance(*s.share.of(size)) {
+            return Ok(None);
+        }
+        let (least, greatest) = *s.radius.of(size);
+        let radius = stream.range(least, greatest);
+        let bounds = self.cell_bounds(cell, size);
+        let places: Vec<Origin> = (0..PLACES)
+            .map(|_| DVec2::new(stream.signed(), stream.signed()) * (s.jitter / 2.0))
+            .map(|offset| Origin::at(bounds.centre() + offset * bounds.size()))
+            .collect();
+
+        let mut higher = vec![];
+        for &tier in size.higher() {
+            let padding = self.too_near(size, tier);
+            let near = Reach::new("settlement", bounds, padding).check(bounds.grown(padding))?;
+            self.accepted_in(near, tier, |other| higher.push(other))?;
+        }
+        let terrain = &*self.terrain.0;
+        let mut places: Vec<(f64, Origin)> = places
+            .into_iter()
+            .filter(|p| !higher.iter().any(|o| self.conflict(o, *p, radius)))
+            .filter_map(|p| Some((site::promise(terrain, p.plan(), radius, s.max_slope, s.max_height)?, p)))
+            .collect();
+        // Stable: of equals the first drawn stays first.
+        places.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let Some(&(_, centre)) = places.iter().find(|(_, p)| site::suits(terrain, p.plan(), radius, s.max_slope))
+        else {
+            return Ok(None);
+        };
+        let styles = s.styles.of(size);
+        let weights: Vec<f64> = styles.iter().map(|style| style.1).collect();
+        let style = stream.weighted(&weights).map(|i| styles[i].0.clone()).unwrap_or_default();
+        let id = SettlementId(stable_hash(&[size as u64, cell.x as u64, cell.y as u64]).max(1));
+        let name = name::place_name(&mut stream, size);
+        Ok(Some(Arc::new(Settlement { id, centre, radius, size, style, name })))
+    }
+
+    /// Whether `a` and a settlement of `radius` at `centre` are too near each other: within the distance set, or so that
+    /// the line between them would leave one of them little room.
+    fn conflict(&self, a: &Settlement, centre: Origin, radius: f64) -> bool {
+        let apart = a.centre.offset_to(centre).length();
+        let room = |own: f64, other: f64| power_line(apart, own, other) - BORDER < keep(own);
+        apart < self.settings.clearance * (a.radius + radius) + self.settings.gap
+            || room(a.radius, radius)
+            || room(radius, a.radius)
+    }
+
+    /// A distance at which no two settlements of these tiers conflict.
+    fn too_near(&self, a: SizeClass, b: SizeClass) -> f64 {
+        let (a, b) = (self.settings.radius.of(a).1, self.settings.radius.of(b).1);
+        // `power_line(d, own, other) >= k` holds from d = 2 k + other on.
+        let room = |own: f64, other: f64| 2.0 * (keep(own) + BORDER) + other;
+        (self.settings.clearance * (a + b) + self.settings.gap).max(room(a, b)).max(room(b, a))
     }
 }
+
+/// Metres from its centre that a settlement of a radius keeps for itself.
+fn keep(radius: f64) -> f64 {
+    (radius * KEEP.0).max(KEEP.1)
+}
+
+/// Who stays of two candidates that are too near each other. Distinct for distinct settlements.
+fn rank(settlement: &Settlement) -> (u64, SettlementId) {
+    (stable_hash(&[settlement.id.0, 1]), settlement.id)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,13 @@
 //! Layer 1: the ground. Makes height, water and vegetation at any point of the plan; reads the seed only; padding 0.
 
+mod field;
+mod lake;
 mod noise;
+mod river;
+mod settings;
 
-pub use self::noise::{NoiseTerrain, TerrainSettings};
+pub use self::noise::NoiseTerrain;
+pub use self::settings::TerrainSettings;
 
 use glam::DVec2;
 

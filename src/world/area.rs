@@ -1,6 +1,7 @@
 //! Everything in a box, whoever owns it.
 
-use crate::chunk::PlacedStreet;
+use crate::chunk::{Layers, PlacedStreet, owner_of, street_owner};
+use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{Junction, Network};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
@@ -40,6 +41,41 @@ pub struct Area {
 }
 
 impl Area {
+    pub(super) fn gather(layers: &Layers, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
+        let origin = Origin::at(bounds.centre());
+        let overlap = layers.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
+        let mut area = Self {
+            origin,
+            bounds,
+            streets: Vec::new(),
+            junctions: Vec::new(),
+            blocks: Vec::new(),
+            lots: Vec::new(),
+            footprints: Vec::new(),
+            settlements: overlap.settlements,
+            unmet_ports: 0,
+        };
+        for found in overlap.streets {
+            let chunk = street_owner(found.origin, &found.it.street, size);
+            area.streets.push(Owned { chunk, it: found.it.moved(found.origin.offset_to(origin)) });
+        }
+        for found in overlap.junctions {
+            let at = found.it.at + found.origin.offset_to(origin);
+            area.junctions.push(Owned { chunk: owner_of(origin, at, size), it: Junction { at, ..found.it } });
+        }
+        for (town, cell) in overlap.cells {
+            cancel.check()?;
+            let (from, offset) = (town.town.origin, town.town.origin.offset_to(origin));
+            let chunk = owner_of(from, town.town.cells[cell].anchor, size);
+            area.unmet_ports += layers.streets(&town, cell, cancel)?.unmet.len();
+            let parcels = layers.parcels(&town, cell, cancel)?;
+            area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, it: b.moved(offset) }));
+            area.lots.extend(parcels.lots.iter().map(|l| Owned { chunk, it: l.moved(offset) }));
+            area.footprints.extend(parcels.footprints.iter().map(|f| Owned { chunk, it: f.moved(offset) }));
+        }
+        Ok(area)
+    }
+
     /// Streets and junctions alone.
     pub fn network(&self) -> Network {
         Network {

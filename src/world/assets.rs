@@ -1,11 +1,47 @@
 //! Styles and patch sets by name.
 
-use crate::layer::FileError;
-use crate::patch::PatchSet;
+use crate::chunk::StyleKit;
+use crate::layer::{FileError, RangeError};
+use crate::patch::{PatchDatabase, PatchSet};
 use crate::town::Style;
+use crate::world::Settings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Why a world cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum WorldError {
+    /// A setting is outside its range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// The settings name a style that the assets lack.
+    #[error("settings name the style `{style}`, which is not among the styles: {known}")]
+    MissingStyle {
+        /// Name of the style.
+        style: String,
+        /// Names of the styles there are.
+        known: String,
+    },
+    /// A style names a patch set that the assets lack.
+    #[error("style `{style}` names the patch set `{set}`, which is not among the patch sets: {known}")]
+    MissingPatchSet {
+        /// Name of the style.
+        style: String,
+        /// Name of the patch set.
+        set: String,
+        /// Names of the patch sets there are.
+        known: String,
+    },
+    /// A style's tags leave it without any patch.
+    #[error("style `{style}` has no patch left: its allowed and excluded tags rule out all {of} patches of its sets")]
+    NoPatches {
+        /// Name of the style.
+        style: String,
+        /// Number of patches in its sets.
+        of: usize,
+    },
+}
 
 /// The styles and patch sets that a world is made from, by name.
 #[derive(Clone, Debug, Default)]
@@ -16,14 +52,111 @@ pub struct WorldAssets {
     pub patch_sets: BTreeMap<String, Arc<PatchSet>>,
 }
 
+macro_rules! bundled {
+    ($($file:literal),* $(,)?) => { [$(($file, include_str!(concat!("../../assets/", $file)))),*] };
+}
+
+/// The files that come with the crate.
+const STYLES: [(&str, &str); 5] =
+    bundled!["styles/european.ron", "styles/grid.ron", "styles/organic.ron", "styles/suburb.ron", "styles/village.ron"];
+const PATCH_SETS: [(&str, &str); 6] = bundled![
+    "patches/common.ron",
+    "patches/european.ron",
+    "patches/grid.ron",
+    "patches/organic.ron",
+    "patches/suburb.ron",
+    "patches/village.ron",
+];
+
 impl WorldAssets {
     /// The styles and patch sets that come with the crate.
     pub fn bundled() -> Self {
-        todo!()
+        let mut out = Self::default();
+        for (file, text) in STYLES.into_iter().chain(PATCH_SETS) {
+            out.add(file, text).expect("the bundled files are checked by tests");
+        }
+        out
     }
 
     /// The `*.ron` files under `styles/` and `patches/` in a folder.
-    pub fn from_dir(_dir: &Path) -> Result<Self, FileError> {
-        todo!()
+    pub fn from_dir(dir: &Path) -> Result<Self, FileError> {
+        let mut out = Self::default();
+        for folder in ["styles", "patches"] {
+            let folder = dir.join(folder);
+            let unreadable = |e: std::io::Error| FileError::unreadable(folder.to_string_lossy(), e);
+            let entries = std::fs::read_dir(&folder).map_err(unreadable)?;
+            let mut files = entries.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
+            files.retain(|f| f.extension().is_some_and(|e| e == "ron"));
+            files.sort();
+            for file in files {
+                let name = file.to_string_lossy();
+                let text = std::fs::read_to_string(&file).map_err(|e| FileError::unreadable(&*name, e))?;
+                out.add(&name, &text)?;
+            }
+        }
+        Ok(out)
+    }
+
+    /// Reads a style or a patch set, whichever the file's folder (`styles` or `patches`) says, and puts it in the place of
+    /// one with the same name. On an error nothing changes.
+    pub fn add(&mut self, file: &str, text: &str) -> Result<(), FileError> {
+        let folder = Path::new(file).parent().and_then(Path::file_name);
+        if folder.is_some_and(|f| f == "styles") {
+            let style = Style::from_ron(file, text)?;
+            self.styles.insert(style.name.clone(), Arc::new(style));
+        } else {
+            let set = PatchSet::from_ron(file, text)?;
+            self.patch_sets.insert(set.name.clone(), Arc::new(set));
+        }
+        Ok(())
+    }
+
+    /// Every style with its patches, after checking that what is named is there.
+    pub(super) fn kits(&self, settings: &Settings) -> Result<BTreeMap<String, StyleKit>, WorldError> {
+        fn names<T>(map: &BTreeMap<String, T>) -> String {
+            map.keys().cloned().collect::<Vec<_>>().join(", ")
+        }
+        if let Some(style) = settings.settlements.style_names().find(|s| !self.styles.contains_key(*s)) {
+            return Err(WorldError::MissingStyle { style: style.to_owned(), known: names(&self.styles) });
+        }
+        let kit = |(name, style): (&String, &Arc<Style>)| {
+            let find = |set: &String| {
+                self.patch_sets.get(set).map(|s| &**s).ok_or_else(|| WorldError::MissingPatchSet {
+                    style: name.clone(),
+                    set: set.clone(),
+                    known: names(&self.patch_sets),
+                })
+            };
+            let sets = style.patch_sets.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+            let patches = PatchDatabase::new(&sets, &style.allow, &style.exclude);
+            let of = sets.iter().map(|s| s.patches.len()).sum();
+            if patches.patches.is_empty() && of > 0 {
+                return Err(WorldError::NoPatches { style: name.clone(), of });
+            }
+            Ok((name.clone(), StyleKit { style: style.clone(), patches }))
+        };
+        self.styles.iter().map(kit).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bundled_assets_make_a_world() {
+        let assets = WorldAssets::bundled();
+        assert!(assets.kits(&Settings::default()).is_ok());
+        assert!(assets.patch_sets.values().map(|s| s.patches.len()).sum::<usize>() >= 30);
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let mut assets = WorldAssets::bundled();
+        assets.patch_sets.remove("common");
+        let error = assets.kits(&Settings::default()).unwrap_err();
+        assert!(error.to_string().contains("`common`"), "{error}");
+        assets.styles.clear();
+        assert!(matches!(assets.kits(&Settings::default()), Err(WorldError::MissingStyle { .. })));
     }
 }

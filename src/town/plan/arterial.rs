@@ -7,7 +7,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Metres of detour that a turn of one radian at a junction is worth.
-const TURN_COST: f64 = 160.0;
+const TURN_COST: f64 = 90.0;
 /// Cost of a metre of street that is an arterial already, so that ways from several gates join.
 const SHARED: f64 = 0.6;
 
@@ -73,6 +73,7 @@ fn way(sketch: &Sketch, from: VertexIx, to: VertexIx) -> Vec<EdgeIx> {
             }
             let w = g.edge(next).other(v);
             let turn = angle_between(g.at(v) - g.at(tail), g.at(w) - g.at(v));
+            let turn = turn.min(1.5);
             let penalty = if g.degree(v) > 2 { TURN_COST * turn * turn * 1000.0 } else { 0.0 };
             let total = reached + cost(next) + penalty as u64;
             let to = half(next, v);

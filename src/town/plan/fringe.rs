@@ -12,6 +12,8 @@ const CUT_GAP: f64 = 30.0;
 /// Fringe cells larger than this share of a cell of regular growth are divided.
 const WIDE: f64 = 1.25;
 
+/// Least length of main streets along both parts of a divided fringe cell, in metres: what has no street stays empty.
+const LEAST_FRONTAGE: f64 = 110.0;
 /// Number of cuts that are tried in one face.
 const MOST_TRIES: usize = 120;
 /// Width of a regular cell in villages, whose streets are short, in metres.
@@ -135,9 +137,14 @@ impl Fringe<'_> {
                 within(p) != within(q) && ![p, q].contains(&i) && ![p, q].contains(&j)
             })
         };
-        // Twice the area swept from the walk's first point up to each of its points.
+        // Twice the area swept from the walk's first point up to each of its points, and the length of streets up to it.
         let o = face.polygon[0];
-        let mut swept = vec![0.0; n];
+        let (mut swept, mut front) = (vec![0.0; n], vec![0.0; n + 1]);
+        for i in 0..n {
+            let street = graph.edge(face.walk[i].edge).data.is_some();
+            let length = face.polygon[i].distance(face.polygon[(i + 1) % n]);
+            front[i + 1] = front[i] + if street { length } else { 0.0 };
+        }
         for i in 1..n {
             swept[i] = swept[i - 1] + (face.polygon[i - 1] - o).perp_dot(face.polygon[i] - o);
         }
@@ -157,7 +164,9 @@ impl Fringe<'_> {
                 }
                 let part = part(i.min(j), i.max(j));
                 let least = part.min(area - part);
-                if twice.is_none() && least < 0.3 * regular {
+                let frontage = front[i.max(j)] - front[i.min(j)];
+                let frontage = frontage.min(front[n] - frontage);
+                if twice.is_none() && (least < 0.3 * regular || frontage < LEAST_FRONTAGE) {
                     continue;
                 }
                 let balance = (least / area).max(0.02);

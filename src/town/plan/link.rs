@@ -52,7 +52,7 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
         ..full
     };
     let steps = [
-        (Limits { turn: 0.42, min_length: 60.0, gap: full.gap.min(65.0), ..full }, 0.0),
+        (Limits { turn: 0.42, min_length: 60.0, gap: 0.85 * full.gap, ..full }, 0.0),
         (easier(50.0, 0.9, 0.45), 0.0),
         (easier(36.0, 0.75, 0.5), 0.35),
         (Limits { ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
@@ -119,7 +119,7 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
         distance(a).total_cmp(&distance(b)).then(a.cmp(b))
     });
     let full = sketch.limits();
-    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: full.gap.min(80.0), ..full };
+    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: 0.9 * full.gap, ..full };
     for v in tips {
         cancel.check()?;
         let g = &sketch.graph;
@@ -214,7 +214,7 @@ pub(super) fn smooth(from: DVec2, leaving: DVec2, to: DVec2, arriving: DVec2) ->
     let (p1, p2) = (from + leaving * (0.37 * distance), to - arriving * (0.37 * distance));
     let turns = angle_between(leaving, to - from) + angle_between(to - from, arriving);
     // Short steps where it bends, so that no point of inflexion is a corner.
-    let parts = (distance / STEP).max(turns / 0.3).round().clamp(1.0, 40.0);
+    let parts = (distance / STEP).max(turns / 0.24).round().clamp(1.0, 40.0);
     (0..=parts as usize)
         .map(|i| {
             let t = i as f64 / parts;

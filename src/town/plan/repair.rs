@@ -12,16 +12,18 @@ use crate::town::DirectionField;
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// Least area of a main cell, in square metres.
-const MIN_AREA: f64 = 2500.0;
-/// Least radius of the largest circle in a main cell, in metres.
-const MIN_INRADIUS: f64 = 15.0;
+/// Least area of a main cell, in square metres, and as a share of a cell of regular growth.
+const MIN_AREA: (f64, f64) = (2500.0, 0.12);
+/// Least radius of the largest circle in a main cell, in metres, and as a share of the length of a street.
+const MIN_INRADIUS: (f64, f64) = (15.0, 0.1);
 /// Cells wider than this share of a cell of regular growth are divided.
 const WIDE: f64 = 1.9;
 /// Turns sharper than this are rounded, in radians.
 const SHARP: f64 = 0.45;
 /// Greatest distance from a corner at which its rounding begins, in metres.
 const CORNER: f64 = 45.0;
+/// Distance that a rounded corner keeps from streets that it does not join, in metres.
+const CORNER_ROOM: f64 = 18.0;
 
 /// A place on a face's border from which a street could cross the face.
 struct Place {
@@ -41,7 +43,9 @@ pub(super) fn divide_wide(sketch: &mut Sketch, field: &DirectionField, cancel: &
         let mut changed = false;
         for face in wide {
             cancel.check()?;
-            changed |= divide(sketch, field, &face);
+            // A street across one face may end on the border of the next, which then has to be walked anew.
+            let fresh = face.walk.iter().all(|h| sketch.graph.is_live(h.edge));
+            changed |= !fresh || divide(sketch, field, &face);
         }
         if !changed {
             break;
@@ -174,7 +178,7 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
         path.push(g.at(b));
         // The curve stays within the corner: only what lies there could be in its way.
         let near = |x: EdgeIx| [a, b, v].iter().any(|w| g.edges_at(*w).contains(&x));
-        if segments(&path[1..path.len() - 1]).any(|(c, d)| g.clearance(c, d, CORNER, near) < CORNER) {
+        if segments(&path[1..path.len() - 1]).any(|(c, d)| g.clearance(c, d, CORNER_ROOM, near) < CORNER_ROOM) {
             continue;
         }
         for e in [e, f] {
@@ -186,6 +190,9 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
 
 /// Takes streets that are no arterials from faces too small or too narrow to be filled.
 pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
+    let length = sketch.rules.length;
+    let least_area = MIN_AREA.0.max(MIN_AREA.1 * length * length);
+    let least_radius = MIN_INRADIUS.0.max(MIN_INRADIUS.1 * length);
     // Each removal joins two faces, so this ends; the bound only guards the time.
     for _ in 0..64 {
         cancel.check()?;
@@ -194,7 +201,8 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
             let area = f.area();
             let around: f64 = f.walk.iter().map(|h| sketch.graph.segment(h.edge)).map(|(a, b)| a.distance(b)).sum();
             // No region has an inradius below its area over its perimeter.
-            area > 0.0 && (area < MIN_AREA || (area < MIN_INRADIUS * around && pole(&f.polygon, 2.0).1 < MIN_INRADIUS))
+            area > 0.0
+                && (area < least_area || (area < least_radius * around && pole(&f.polygon, 2.0).1 < least_radius))
         };
         let victim = faces.iter().filter(|f| sliver(f)).find_map(|f| longest_street(sketch, f));
         let Some(street) = victim else { break };

@@ -184,7 +184,9 @@ impl<'a> Sketch<'a> {
     pub fn fits(&self, path: &[DVec2], start: End, end: End, limits: &Limits) -> bool {
         let n = path.len();
         let turns = || path.windows(3).map(|w| angle_between(w[1] - w[0], w[2] - w[1]));
-        line_length(path) >= limits.min_length
+        let same = matches!((start, end), (End::Edge(e, _), End::Edge(f, _)) if e == f);
+        !same
+            && line_length(path) >= limits.min_length
             && segments(path).all(|(a, b)| a.distance(b) >= SHORTEST)
             && turns().all(|t| t <= limits.turn)
             && self.end_fits(start, path[1] - path[0], limits)

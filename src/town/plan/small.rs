@@ -10,7 +10,7 @@ use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
 /// Least angle between the directions of two gates, seen from the centre, for a street between them to run through.
-const OPPOSITE: f64 = 1.4;
+const OPPOSITE: f64 = 1.2;
 
 /// A street from gate to gate through the centre, for the two gates that lie most opposite each other. Whether there are
 /// such gates.

@@ -1,0 +1,103 @@
+//! Each layer by itself, and a whole chunk in the middle of a city, on one thread.
+
+use bevy_sprawl::chunk::Ground;
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::mesh::{self, Detail};
+use bevy_sprawl::region::{Settlement, SizeClass};
+use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
+use bevy_sprawl::world::{Settings, World, WorldAssets};
+use bevy_sprawl::{seam, town};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use glam::DVec2;
+use std::hint::black_box;
+use std::sync::Arc;
+
+fn world(seed: u64) -> World {
+    World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).expect("the bundled world is valid")
+}
+
+/// The city nearest to the world's origin, which every seed has within some lattice cells.
+fn city(world: &World) -> Arc<Settlement> {
+    let bounds = Bounds::square(DVec2::ZERO, 100_000.0);
+    let cities = world.settlements().centred_in_of(bounds, SizeClass::City).expect("never cancelled");
+    let from_origin = |s: &Arc<Settlement>| s.centre.plan().length();
+    cities.into_iter().min_by(|a, b| from_origin(a).total_cmp(&from_origin(b))).expect("a city within 50 km")
+}
+
+fn layers(c: &mut Criterion) {
+    let world = world(1);
+    let never = Cancel::new();
+    let city = city(&world);
+    let size = world.settings().chunk_size;
+    let centre = city.centre.plan();
+    let coord = ChunkCoord::containing(centre, size);
+    let seamed = world.town(&city, &never).expect("never cancelled");
+    let kit = &world.assets().styles[&city.style];
+
+    c.bench_function("terrain/sample", |b| {
+        let mut p = DVec2::ZERO;
+        b.iter(|| {
+            p += DVec2::new(13.7, 7.1);
+            black_box(world.terrain().sample(p))
+        })
+    });
+    c.bench_function("region/cold 4 km box", |b| {
+        let bounds = Bounds::square(centre, 4000.0);
+        b.iter_batched(
+            || self::world(1),
+            |w| black_box(w.roads().overlapping(bounds, &never).expect("never cancelled").len()),
+            BatchSize::PerIteration,
+        )
+    });
+    c.bench_function("town/plan a city", |b| {
+        let (outline, gates) = (&seamed.town.outline, &seamed.town.gates);
+        b.iter(|| town::plan(world.seed(), &city, outline, gates.clone(), kit, &**world.terrain(), &never))
+    });
+    c.bench_function("seam/all of a city", |b| b.iter(|| seam::seams(world.seed(), &seamed.town, kit)));
+    c.bench_function("streets/all cells of a city", |b| {
+        b.iter_batched(
+            || world.forget_chunks(),
+            |()| {
+                (0..seamed.town.cells.len())
+                    .map(|i| world.layers().streets(&seamed, i, &never).expect("never cancelled").streets.len())
+                    .sum::<usize>()
+            },
+            BatchSize::PerIteration,
+        )
+    });
+    c.bench_function("streets and parcels/all cells of a city", |b| {
+        b.iter_batched(
+            || world.forget_chunks(),
+            |()| {
+                (0..seamed.town.cells.len())
+                    .map(|i| world.layers().parcels(&seamed, i, &never).expect("never cancelled").lots.len())
+                    .sum::<usize>()
+            },
+            BatchSize::PerIteration,
+        )
+    });
+    c.bench_function("chunk/ground", |b| b.iter(|| Ground::new(&**world.terrain(), coord.origin(size), size)));
+    c.bench_function("chunk/dense, town planned", |b| {
+        b.iter_batched(
+            || world.forget_chunks(),
+            |()| world.chunk(coord, &never).expect("never cancelled"),
+            BatchSize::PerIteration,
+        )
+    });
+    c.bench_function("chunk/first in a new world", |b| {
+        b.iter_batched(|| self::world(1), |w| w.chunk(coord, &never).expect("never cancelled"), BatchSize::PerIteration)
+    });
+    let chunk = world.chunk(coord, &never).expect("never cancelled");
+    for detail in [Detail::Full, Detail::Reduced] {
+        c.bench_function(&format!("mesh/{detail:?}"), |b| {
+            b.iter(|| mesh::build(&chunk, &**world.terrain(), detail, &never).expect("never cancelled"))
+        });
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(10);
+    targets = layers
+}
+criterion_main!(benches);

@@ -1,0 +1,276 @@
+//! Commands and their flags.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec2;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Endless worlds of towns: maps, figures and checks.
+#[derive(Parser)]
+#[command(name = "sprawl", version, max_term_width = 100)]
+pub struct Cli {
+    #[command(flatten)]
+    pub common: Common,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Flags of every command.
+#[derive(Args)]
+pub struct Common {
+    /// Seed of the world
+    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Settings of the world, a RON file
+    #[arg(long, global = true, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    /// Folder with `styles/*.ron` and `patches/*.ron` in place of the bundled ones
+    #[arg(long, global = true, value_name = "DIR")]
+    pub assets: Option<PathBuf>,
+    /// Threads to work on [default: one per core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Write one JSON object to stdout
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Draw or export a square of the world
+    Map(MapArgs),
+    /// Figures of the streets, blocks and buildings of a square
+    Stats(StatsArgs),
+    /// Settlements of a square and the roads between them
+    Settlements(SettlementsArgs),
+    /// A hash per layer and chunk, to compare worlds bit for bit
+    Digest(DigestArgs),
+    /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
+    Soak(SoakArgs),
+    /// Check or draw patch sets
+    Patches(PatchesArgs),
+}
+
+/// The middle of a square.
+#[derive(Args)]
+pub struct At {
+    /// Middle of the square, metres east and north
+    #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true, value_parser = point)]
+    pub at: DVec2,
+}
+
+#[derive(Args)]
+pub struct MapArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "2000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+    /// File to write: .svg .png .geojson .osm or .glb
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Width and height of an SVG or PNG
+    #[arg(long, value_name = "N", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub pixels: u32,
+    /// What the colours of streets say in an SVG or PNG
+    #[arg(long, value_name = "WHAT", default_value = "class")]
+    pub colour_by: ColourBy,
+    /// How much an SVG or PNG shows
+    #[arg(long, value_name = "WHAT", default_value = "auto")]
+    pub show: Show,
+    /// Buildings, parks and names in an OSM file too; some readers take every way for a street
+    #[arg(long)]
+    pub everything: bool,
+    /// Level of detail of a GLB
+    #[arg(long, value_name = "LEVEL", default_value = "full")]
+    pub detail: DetailArg,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColourBy {
+    /// Class: highway, major, minor, arterial, main, local
+    Class,
+    /// What made it: main street, patch, growth, repair
+    Origin,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Show {
+    /// Streets up to 20 km, the region beyond
+    Auto,
+    /// Everything
+    Streets,
+    /// Settlements and roads alone
+    Region,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DetailArg {
+    /// Everything
+    Full,
+    /// Coarse ground, flat ribbons and boxes
+    Reduced,
+}
+
+#[derive(Args)]
+pub struct StatsArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "2000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+}
+
+#[derive(Args)]
+pub struct SettlementsArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "20000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+}
+
+#[derive(Args)]
+pub struct DigestArgs {
+    /// Columns and rows of chunks, ends excluded
+    #[arg(long, value_name = "X0..X1,Y0..Y1", allow_hyphen_values = true, value_parser = chunk_range)]
+    pub chunks: ChunkRange,
+    /// Order in which the chunks are made; the hashes do not depend on it
+    #[arg(long, value_name = "ORDER", default_value = "forward")]
+    pub order: Order,
+}
+
+/// Columns and rows of chunks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChunkRange {
+    pub x: Range<i32>,
+    pub y: Range<i32>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Order {
+    /// Column by column
+    Forward,
+    /// The other way round
+    Reverse,
+    /// In an order that follows from the seed
+    Shuffled,
+}
+
+#[derive(Args)]
+pub struct SoakArgs {
+    /// Seeds of the worlds, the end excluded
+    #[arg(long, value_name = "A..B", value_parser = seed_range)]
+    pub seeds: Range<u64>,
+}
+
+#[derive(Args)]
+pub struct PatchesArgs {
+    #[command(subcommand)]
+    pub command: PatchesCommand,
+}
+
+#[derive(Subcommand)]
+pub enum PatchesCommand {
+    /// Read patch sets and name what is wrong with them
+    Check {
+        /// Patch sets, or folders of them
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Draw the patches of one or more sets on a sheet
+    Draw {
+        /// Patch sets, or folders of them
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        /// File to write: .svg or .png
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
+}
+
+/// Longest edge of a square, in metres.
+const MOST: f64 = 200_000.0;
+
+fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| format!("`{text}` is no number"))
+}
+
+fn point(text: &str) -> Result<DVec2, String> {
+    let (x, y) = text.split_once(',').ok_or("two numbers with a comma between them are needed, such as -5,7")?;
+    let point = DVec2::new(number(x)?, number(y)?);
+    if point.is_finite() { Ok(point) } else { Err("both numbers must be finite".into()) }
+}
+
+fn size(text: &str) -> Result<f64, String> {
+    let size = number(text)?;
+    if size > 0.0 && size <= MOST { Ok(size) } else { Err(format!("more than 0 and at most {MOST} m is allowed")) }
+}
+
+fn seed_range(text: &str) -> Result<Range<u64>, String> {
+    let (from, to) = text.split_once("..").ok_or("a range is needed, such as 0..100")?;
+    let whole = |t: &str| t.trim().parse::<u64>().map_err(|_| format!("`{t}` is no whole number"));
+    let range = whole(from)?..whole(to)?;
+    match range.end.saturating_sub(range.start) {
+        0 => Err(format!("{text} holds no seed: its end is excluded")),
+        1..=1_000_000 => Ok(range),
+        _ => Err("more than a million seeds".into()),
+    }
+}
+
+fn chunk_range(text: &str) -> Result<ChunkRange, String> {
+    let range = |text: &str| {
+        let (from, to) = text.split_once("..").ok_or("two ranges are needed, such as -2..3,0..4")?;
+        let whole = |t: &str| t.trim().parse::<i32>().map_err(|_| format!("`{t}` is no whole number of 32 bits"));
+        let range = whole(from)?..whole(to)?;
+        if range.is_empty() { Err(format!("{text} holds no chunk: its end is excluded")) } else { Ok(range) }
+    };
+    let (x, y) = text.split_once(',').ok_or("two ranges with a comma between them are needed, such as -2..3,0..4")?;
+    let out = ChunkRange { x: range(x)?, y: range(y)? };
+    let count = |r: &Range<i32>| i64::from(r.end) - i64::from(r.start);
+    if count(&out.x).saturating_mul(count(&out.y)) > 1_000_000 {
+        return Err("more than a million chunks".into());
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn negative_numbers_work_in_both_forms() {
+        for flags in [&["--at", "-5,7.5"][..], &["--at=-5,7.5"]] {
+            let all = [&["sprawl", "stats"][..], flags, &["--seed", "18446744073709551615"]].concat();
+            let cli = Cli::try_parse_from(all).unwrap();
+            assert_eq!(cli.common.seed, u64::MAX);
+            let Command::Stats(stats) = cli.command else { panic!() };
+            assert_eq!(stats.at.at, DVec2::new(-5.0, 7.5));
+        }
+        for flags in [&["--chunks", "-2..1,-9..-8"][..], &["--chunks=-2..1,-9..-8"]] {
+            let cli = Cli::try_parse_from([&["sprawl", "digest"][..], flags].concat()).unwrap();
+            let Command::Digest(digest) = cli.command else { panic!() };
+            assert_eq!(digest.chunks, ChunkRange { x: -2..1, y: -9..-8 });
+        }
+    }
+
+    #[test]
+    fn bad_values_are_refused() {
+        for bad in ["0", "-1", "NaN", "inf", "200000.1", "x", ""] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        for bad in ["1", "1,", "a,2", "NaN,0", "0,inf", "1,2,3"] {
+            assert!(point(bad).is_err(), "{bad}");
+        }
+        for bad in ["0..1", "1..1,0..1", "2..1,0..1", "0..1,0", "0..2000,0..2000", "-2147483648..2147483647,0..1"] {
+            assert!(chunk_range(bad).is_err(), "{bad}");
+        }
+        assert_eq!(size("200000"), Ok(200_000.0));
+    }
+}

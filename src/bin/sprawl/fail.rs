@@ -1,0 +1,91 @@
+//! How a command fails: one line on stderr, and an exit code.
+
+use bevy_sprawl::export::ExportError;
+use bevy_sprawl::layer::{FileError, LayerError};
+use bevy_sprawl::world::WorldError;
+use std::io;
+use std::process::ExitCode;
+
+/// Why a command stops.
+#[derive(Debug)]
+pub enum Fail {
+    /// What the user gave cannot be used: exit code 2.
+    Input(String),
+    /// The generator failed: exit code 1.
+    World(String),
+    /// Nobody reads the output any more.
+    Closed,
+}
+
+impl Fail {
+    /// Bad input, in one line.
+    pub fn input(reason: impl std::fmt::Display) -> Self {
+        Self::Input(reason.to_string())
+    }
+
+    /// A file that cannot be read or written.
+    pub fn file(path: &std::path::Path, reason: impl std::fmt::Display) -> Self {
+        Self::Input(format!("{}: {reason}", path.display()))
+    }
+
+    /// Prints the reason and gives the exit code.
+    pub fn report(self) -> ExitCode {
+        let (reason, code) = match self {
+            Self::Input(reason) => (reason, 2),
+            Self::World(reason) => (reason, 1),
+            Self::Closed => return ExitCode::SUCCESS,
+        };
+        eprintln!("sprawl: {}", reason.split_whitespace().collect::<Vec<_>>().join(" "));
+        ExitCode::from(code)
+    }
+}
+
+impl From<clap::Error> for Fail {
+    fn from(error: clap::Error) -> Self {
+        let text = error.to_string();
+        // What is wrong comes first; tips and usage follow after an empty line.
+        let first = text.split("\n\n").next().unwrap_or_default();
+        let reason = match error.kind() {
+            clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                "a command is missing; see `sprawl --help`"
+            }
+            _ => first.strip_prefix("error: ").unwrap_or(first),
+        };
+        Self::input(reason)
+    }
+}
+
+impl From<FileError> for Fail {
+    fn from(error: FileError) -> Self {
+        Self::input(describe(&error))
+    }
+}
+
+/// A file's error in one line, without a place where the file could not be read at all.
+pub fn describe(error: &FileError) -> String {
+    if error.line == 0 { format!("{}: {}", error.file, error.reason) } else { error.to_string() }
+}
+
+impl From<WorldError> for Fail {
+    fn from(error: WorldError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<LayerError> for Fail {
+    fn from(error: LayerError) -> Self {
+        Self::World(error.to_string())
+    }
+}
+
+impl From<ExportError> for Fail {
+    fn from(error: ExportError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<io::Error> for Fail {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe { Self::Closed } else { Self::input(error) }
+    }
+}

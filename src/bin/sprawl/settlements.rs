@@ -1,0 +1,51 @@
+//! `sprawl settlements`: the settlements of a square and the roads between them.
+
+use crate::args::{Common, SettlementsArgs};
+use crate::fail::Fail;
+use crate::work;
+use bevy_sprawl::layer::Cancel;
+use serde_json::json;
+use std::fmt::Write;
+
+/// Runs the command: settlements centred in the square, and connections with an end in it.
+pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
+    let world = work::world(common)?;
+    let bounds = work::square(&world, &args.at, args.size)?;
+    let settlements = world.settlements().centred_in(bounds)?;
+    let links = world.roads().links(bounds, &Cancel::new())?;
+    let hex = |id: u64| format!("{id:016x}");
+    let report = json!({
+        "settlements": settlements.iter().map(|s| {
+            let at = s.centre.plan();
+            json!({
+                "id": hex(s.id.0), "x": at.x, "y": at.y, "radius_m": s.radius, "sigma": s.size as u8,
+                "style": s.style, "name": s.name,
+            })
+        }).collect::<Vec<_>>(),
+        "roads": links.iter().map(|l| json!({
+            "id": hex(l.id.0), "from": hex(l.from.0), "to": hex(l.to.0), "class": l.class.name(),
+            "length_m": l.length_m, "cost": l.cost, "bridges": l.bridges, "tunnels": l.tunnels,
+        })).collect::<Vec<_>>(),
+    });
+    let mut people = String::new();
+    let mut order: Vec<_> = settlements.iter().collect();
+    order.sort_by(|a, b| b.size.cmp(&a.size).then_with(|| a.name.cmp(&b.name)).then(a.id.cmp(&b.id)));
+    for s in order {
+        let at = s.centre.plan();
+        let size = format!("{:?}", s.size).to_lowercase();
+        // Writing to a string cannot fail.
+        let _ = writeln!(people, "{size:8}{:18} at {},{}  radius {:.0} m  {}", s.name, at.x, at.y, s.radius, s.style);
+    }
+    let name =
+        |id| settlements.iter().find(|s| s.id == id).map_or_else(|| format!("{:016x}", id.0), |s| s.name.clone());
+    for l in &links {
+        let ends = format!("{} - {}", name(l.from), name(l.to));
+        let _ = write!(people, "{:8}{ends:34} {:.1} km", l.class.name(), l.length_m / 1000.0);
+        for (count, one) in [(l.bridges, "bridge"), (l.tunnels, "tunnel")].into_iter().filter(|(n, _)| *n > 0) {
+            let _ = write!(people, ", {count} {one}{}", if count == 1 { "" } else { "s" });
+        }
+        people.push('\n');
+    }
+    let _ = writeln!(people, "{} settlements, {} roads", settlements.len(), links.len());
+    work::print(common, &report, &people)
+}

@@ -1,0 +1,131 @@
+//! What commands share: making the world, working on many threads with a progress bar, printing.
+
+use crate::args::{At, Common};
+use crate::fail::Fail;
+use bevy_sprawl::layer::{Cancel, FileError, LayerError};
+use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
+use bevy_sprawl::world::{Area, Settings, World, WorldAssets};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Reads a file as text.
+pub fn read(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path).map_err(|e| FileError::unreadable(path.to_string_lossy(), e))
+}
+
+/// The world that the common flags describe.
+pub fn world(common: &Common) -> Result<World, Fail> {
+    let settings = match &common.settings {
+        Some(path) => Settings::from_ron(&path.to_string_lossy(), &read(path)?)?,
+        None => {
+            // One command looks at one square and ends: what fits in memory need not be made twice.
+            let mut settings = Settings::default();
+            settings.cache.region_mib = settings.cache.region_mib.max(256.0);
+            settings.cache.town_mib = settings.cache.town_mib.max(1024.0);
+            settings
+        }
+    };
+    let assets = match &common.assets {
+        Some(dir) => WorldAssets::from_dir(dir)?,
+        None => WorldAssets::bundled(),
+    };
+    let named = common.settings.as_deref();
+    World::new(Seed(common.seed), settings, assets).map_err(|e| match named {
+        Some(path) => Fail::file(path, e),
+        None => e.into(),
+    })
+}
+
+/// The square of edge `size` around `at`, if the world's chunks reach that far.
+pub fn square(world: &World, at: &At, size: f64) -> Result<Bounds, Fail> {
+    let edge = world.settings().chunk_size as f64;
+    // Chunks are counted with 32 bits; what lies in a square may reach beyond it.
+    let most = edge * f64::from(i32::MAX) - 500_000.0;
+    if at.at.abs().max_element() > most {
+        return Err(Fail::input(format!("--at is too far out: at most {most:.0} m with chunks of {edge} m")));
+    }
+    Ok(Bounds::square(at.at, size))
+}
+
+/// The chunks that overlap a box, column by column.
+pub fn chunks(world: &World, bounds: Bounds) -> Vec<ChunkCoord> {
+    let size = world.settings().chunk_size;
+    let (a, b) = (ChunkCoord::containing(bounds.min, size).0, ChunkCoord::containing(bounds.max, size).0);
+    // A border on a chunk's west or south edge does not reach into that chunk.
+    let last = |to: i32, border: f64, from: i32| {
+        if f64::from(to) * size as f64 == border && to > from { to - 1 } else { to }
+    };
+    let (x, y) = (last(b.x, bounds.max.x, a.x), last(b.y, bounds.max.y, a.y));
+    (a.x..=x).flat_map(|x| (a.y..=y).map(move |y| ChunkCoord::new(x, y))).collect()
+}
+
+/// Runs `make` on every item, on as many threads as the flags say, in the order of the items (with one thread: exactly);
+/// results come in that order too. A bar shows the progress if stderr is a terminal.
+pub fn each<T: Sync, R: Send>(
+    common: &Common,
+    what: &'static str,
+    items: &[T],
+    make: impl Fn(&T) -> Result<R, LayerError> + Sync,
+) -> Result<Vec<R>, Fail> {
+    let bar = ProgressBar::new(items.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len} {eta}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what);
+    // Threads draw the next item from one counter: splitting the list would start them all over the place.
+    let next = AtomicUsize::new(0);
+    let take = || {
+        let mut done = Vec::new();
+        while let Some((i, item)) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, items.get(i)?))) {
+            done.push((i, make(item)?));
+            bar.inc(1);
+        }
+        Ok(done)
+    };
+    let parts: Result<Vec<Vec<(usize, R)>>, LayerError> = pool(common)?
+        .install(|| (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|_| take()).collect());
+    bar.finish_and_clear();
+    let mut all: Vec<(usize, R)> = parts?.into_iter().flatten().collect();
+    all.sort_by_key(|(i, _)| *i);
+    Ok(all.into_iter().map(|(_, r)| r).collect())
+}
+
+/// As many threads as the flags say.
+pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Fail> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(common.threads.unwrap_or(0).into())
+        .build()
+        .map_err(|e| Fail::World(e.to_string()))
+}
+
+/// Everything in a square, its chunks made on many threads first.
+pub fn area(common: &Common, world: &World, bounds: Bounds) -> Result<Area, Fail> {
+    let cancel = Cancel::new();
+    let size = world.settings().chunk_size as f64;
+    // Squares of 2 by 2 chunks: towns and cells are kept by the world, so that gathering the whole finds them made.
+    let tiles = (bounds.size() / (2.0 * size)).ceil().max(glam::DVec2::ONE);
+    let step = bounds.size() / tiles;
+    let corner =
+        |i: usize| bounds.min + step * glam::DVec2::new((i % tiles.x as usize) as f64, (i / tiles.x as usize) as f64);
+    let tiles: Vec<Bounds> =
+        (0..(tiles.x * tiles.y) as usize).map(|i| Bounds::new(corner(i), corner(i) + step)).collect();
+    if tiles.len() > 1 {
+        each(common, "making streets", &tiles, |tile| world.area(*tile, &cancel).map(|_| ()))?;
+    }
+    Ok(world.area(bounds, &cancel)?)
+}
+
+/// Prints one JSON object, or the lines for people.
+pub fn print(common: &Common, json: &Value, people: &str) -> Result<(), Fail> {
+    let mut out = std::io::stdout().lock();
+    if common.json {
+        writeln!(out, "{json}")?;
+    } else if !people.is_empty() {
+        writeln!(out, "{}", people.trim_end())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! Assembling a chunk from the layers below.
+
+use crate::chunk::{Chunk, Ground, Layers, PlacedStreet};
+use crate::layer::{Cancel, LayerError, Reach, Weigh};
+use crate::network::{Junction, JunctionId, Street};
+use crate::parcel::{Block, Footprint, Lot};
+use crate::space::{ChunkCoord, Origin, line_length, point_at};
+use glam::DVec2;
+
+/// What the chunk `coord` of edge `size` metres owns.
+pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
+    let (origin, bounds) = (coord.origin(size), coord.bounds(size));
+    let overlap = layers.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
+    let mut chunk = Chunk {
+        coord,
+        origin,
+        size,
+        ground: Ground::new(&**layers.terrain(), origin, size),
+        junctions: Vec::new(),
+        streets: Vec::new(),
+        arriving: Vec::new(),
+        blocks: Vec::new(),
+        lots: Vec::new(),
+        footprints: Vec::new(),
+        settlements: overlap.settlements,
+        unmet_ports: 0,
+    };
+    for found in overlap.junctions {
+        if owner_of(found.origin, found.it.at, size) == coord {
+            chunk.junctions.push(Junction { at: found.it.at + found.origin.offset_to(origin), ..found.it });
+        }
+    }
+    for found in overlap.streets {
+        if street_owner(found.origin, &found.it.street, size) == coord {
+            chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));
+        } else if [found.it.street.from, found.it.street.to].iter().any(|end| own_junction(&chunk, *end)) {
+            chunk.arriving.push(found.it.street.moved(found.origin.offset_to(origin)));
+        }
+    }
+    for (town, cell) in overlap.cells {
+        cancel.check()?;
+        let from = town.town.origin;
+        if owner_of(from, town.town.cells[cell].anchor, size) != coord {
+            continue;
+        }
+        chunk.unmet_ports += layers.streets(&town, cell, cancel)?.unmet.len();
+        let parcels = layers.parcels(&town, cell, cancel)?;
+        let offset = from.offset_to(origin);
+        chunk.blocks.extend(parcels.blocks.iter().map(|b| b.moved(offset)));
+        chunk.lots.extend(parcels.lots.iter().map(|l| l.moved(offset)));
+        chunk.footprints.extend(parcels.footprints.iter().map(|f| f.moved(offset)));
+    }
+    Ok(chunk)
+}
+
+fn own_junction(chunk: &Chunk, id: JunctionId) -> bool {
+    chunk.junctions.binary_search_by_key(&id, |j| j.id).is_ok()
+}
+
+/// The chunk whose square holds the point `at`, local to `origin`.
+pub(crate) fn owner_of(origin: Origin, at: DVec2, size: i64) -> ChunkCoord {
+    ChunkCoord::containing(origin.to_plan(at), size)
+}
+
+/// The chunk whose square holds the midpoint of a street that is local to `origin`.
+pub(crate) fn street_owner(origin: Origin, street: &Street, size: i64) -> ChunkCoord {
+    owner_of(origin, point_at(&street.line, line_length(&street.line) / 2.0).0, size)
+}
+
+impl PlacedStreet {
+    /// The same street with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { street: self.street.moved(offset), made_by: self.made_by }
+    }
+}
+
+fn moved(polygon: &[DVec2], offset: DVec2) -> Vec<DVec2> {
+    polygon.iter().map(|p| *p + offset).collect()
+}
+
+impl Block {
+    /// The same block with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}
+
+impl Lot {
+    /// The same lot with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}
+
+impl Footprint {
+    /// The same footprint with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}
+
+impl Weigh for Chunk {
+    fn bytes(&self) -> usize {
+        let point = size_of::<DVec2>();
+        let lines = self.streets.iter().map(|s| &s.street).chain(&self.arriving);
+        let streets: usize = lines.map(|s| 120 + s.line.len() * point).sum();
+        let blocks: usize = self.blocks.iter().map(|b| 40 + b.polygon.len() * point).sum();
+        let lots: usize = self.lots.iter().map(|l| 48 + l.polygon.len() * point).sum();
+        let buildings: usize = self.footprints.iter().map(|f| 48 + f.polygon.len() * point).sum();
+        let ground = self.ground.samples.len() * size_of::<crate::terrain::TerrainSample>();
+        streets + blocks + lots + buildings + ground + self.junctions.len() * size_of::<Junction>() + 256
+    }
+}

@@ -1,0 +1,174 @@
+//! GeoJSON in plan metres: streets, roads, junctions, blocks, lots, buildings and settlements.
+
+use crate::export::{ExportError, Plan, hex};
+use crate::network::{JunctionId, StreetClass};
+use crate::parcel::BlockUse;
+use crate::region::SizeClass;
+use crate::space::ChunkCoord;
+use glam::DVec2;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use geojson::{Feature, GeometryValue, Position};
+
+/// Writes a plan as a feature collection whose `bbox` is the square that was asked for.
+///
+/// Every feature has `kind`, `class` and `id`; streets and roads `from` and `to`, and `level`, `bridge`, `tunnel` where
+/// they are not 0 and false; what a chunk owns, that `chunk`. The class of a junction is that of the widest street that
+/// ends there. Coordinates are exact: reading them gives the bits that were written.
+pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
+    let bounds = plan.area.bounds;
+    let bbox = json!([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]);
+    write!(out, "{{\"type\":\"FeatureCollection\",\"bbox\":{bbox},\"features\":[")?;
+    let mut first = true;
+    let mut put = |feature: Feature| -> Result<(), ExportError> {
+        out.write_all(if first { b"\n" } else { b",\n" })?;
+        first = false;
+        serde_json::to_writer(&mut *out, &feature).map_err(|e| ExportError::Io(e.into()))
+    };
+    settlements(plan, &mut put)?;
+    parcels(plan, &mut put)?;
+    network(plan, &mut put)?;
+    out.write_all(b"\n]}\n")?;
+    Ok(())
+}
+
+type Put<'a> = dyn FnMut(Feature) -> Result<(), ExportError> + 'a;
+
+fn settlements(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
+    for (i, settlement) in plan.area.settlements.iter().enumerate() {
+        let centre = settlement.centre.plan();
+        let geometry = match plan.outlines.get(i) {
+            Some(outline) => polygon(&outline.polygon, outline.origin.plan()),
+            None => GeometryValue::Point { coordinates: position(centre) },
+        };
+        let mut of = properties("settlement", size_name(settlement.size), settlement.id.0);
+        of.insert("name".into(), json!(settlement.name));
+        of.insert("style".into(), json!(settlement.style));
+        of.insert("sigma".into(), json!(settlement.size as u8));
+        of.insert("radius_m".into(), json!(settlement.radius));
+        of.insert("chunk".into(), json!(ChunkCoord::containing(centre, plan.chunk_size).to_string()));
+        put(feature(geometry, of))?;
+    }
+    Ok(())
+}
+
+fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
+    let origin = plan.area.origin.plan();
+    for block in &plan.area.blocks {
+        let class = match block.it.used_as {
+            BlockUse::Built => "built",
+            BlockUse::Park => "park",
+        };
+        put(feature(polygon(&block.it.polygon, origin), owned("block", class, block.it.id, block.chunk)))?;
+    }
+    for lot in &plan.area.lots {
+        let mut of = owned("lot", "lot", lot.it.id, lot.chunk);
+        of.insert("block".into(), json!(hex(lot.it.block)));
+        of.insert("street".into(), json!(hex(lot.it.street.0)));
+        put(feature(polygon(&lot.it.polygon, origin), of))?;
+    }
+    for building in &plan.area.footprints {
+        let mut of = owned("building", "building", building.it.id, building.chunk);
+        of.insert("lot".into(), json!(hex(building.it.lot)));
+        of.insert("storeys".into(), json!(building.it.storeys));
+        put(feature(polygon(&building.it.polygon, origin), of))?;
+    }
+    Ok(())
+}
+
+fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
+    let origin = plan.area.origin.plan();
+    let mut widest: BTreeMap<JunctionId, StreetClass> = BTreeMap::new();
+    for street in &plan.area.streets {
+        let it = &street.it.street;
+        for end in [it.from, it.to] {
+            widest.entry(end).and_modify(|c| *c = it.class.min(*c)).or_insert(it.class);
+        }
+        let kind = if it.class.is_road() { "road" } else { "street" };
+        let mut of = owned(kind, it.class.name(), it.id.0, street.chunk);
+        of.insert("from".into(), json!(hex(it.from.0)));
+        of.insert("to".into(), json!(hex(it.to.0)));
+        if it.level != 0 {
+            of.insert("level".into(), json!(it.level));
+        }
+        for (name, set) in [("bridge", it.bridge), ("tunnel", it.tunnel)] {
+            if set {
+                of.insert(name.into(), json!(true));
+            }
+        }
+        let coordinates = it.line.iter().map(|p| position(*p + origin)).collect();
+        put(feature(GeometryValue::LineString { coordinates }, of))?;
+    }
+    for junction in &plan.area.junctions {
+        let class = widest.get(&junction.it.id).copied().unwrap_or(StreetClass::Local);
+        let of = owned("junction", class.name(), junction.it.id.0, junction.chunk);
+        put(feature(GeometryValue::Point { coordinates: position(junction.it.at + origin) }, of))?;
+    }
+    Ok(())
+}
+
+/// Name of a size class in files.
+pub(crate) fn size_name(size: SizeClass) -> &'static str {
+    match size {
+        SizeClass::City => "city",
+        SizeClass::Town => "town",
+        SizeClass::Village => "village",
+    }
+}
+
+fn properties(kind: &str, class: &str, id: u64) -> Map<String, Value> {
+    let common = [("kind", json!(kind)), ("class", json!(class)), ("id", json!(hex(id)))];
+    common.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+fn owned(kind: &str, class: &str, id: u64, chunk: ChunkCoord) -> Map<String, Value> {
+    let mut of = properties(kind, class, id);
+    of.insert("chunk".into(), json!(chunk.to_string()));
+    of
+}
+
+fn feature(geometry: GeometryValue, properties: Map<String, Value>) -> Feature {
+    Feature { geometry: Some(geometry.into()), properties: Some(properties), ..Default::default() }
+}
+
+fn position(p: DVec2) -> Position {
+    p.to_array().into()
+}
+
+fn polygon(points: &[DVec2], origin: DVec2) -> GeometryValue {
+    let ring = points.iter().chain(points.first()).map(|p| position(*p + origin)).collect();
+    GeometryValue::Polygon { coordinates: vec![ring] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::sample;
+    use crate::space::QUANTUM;
+
+    #[test]
+    fn positions_far_out_and_ids_come_back_bit_for_bit() {
+        let town = sample::town(DVec2::new(1.0e11, -3.0e10));
+        let mut file = Vec::new();
+        write(&town.plan(), &mut file).unwrap();
+        let file = String::from_utf8(file).unwrap();
+        let read: geojson::FeatureCollection = file.parse().unwrap();
+        let street = &town.area.streets[0];
+        // Not with serde_json, whose numbers may be off by the last bit unless its `float_roundtrip` is on.
+        let id = format!("\"id\":\"{}\"", hex(street.it.street.id.0));
+        let text = file.lines().find(|l| l.contains(&id)).unwrap();
+        let numbers = text.split("[[").nth(1).unwrap().split("]]").next().unwrap().replace("],[", ",");
+        let numbers: Vec<f64> = numbers.split(',').map(|n| n.parse().unwrap()).collect();
+        let back: Vec<DVec2> = numbers.chunks(2).map(|p| DVec2::new(p[0], p[1])).collect();
+        let line: Vec<DVec2> = street.it.street.line.iter().map(|p| town.area.origin.to_plan(*p)).collect();
+        assert_eq!(back, line);
+        assert!(back.iter().all(|p| (*p / QUANTUM).round() * QUANTUM == *p));
+        let kinds: std::collections::BTreeSet<_> =
+            read.features.iter().filter_map(|f| f.property("kind")?.as_str()).collect();
+        assert_eq!(kinds.len(), 7, "{kinds:?}");
+        let levels = read.features.iter().filter(|f| f.property("level").is_some()).count();
+        assert_eq!(levels, 1, "only the bridge has a level");
+    }
+}

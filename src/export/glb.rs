@@ -1,0 +1,237 @@
+//! Chunk meshes as one glTF 2.0 binary: a node per chunk, a primitive per material.
+
+use crate::export::ExportError;
+use crate::mesh::{ChunkMesh, MeshBuffers};
+use crate::space::{ChunkCoord, Origin};
+use glam::{DVec2, Vec3};
+use gltf::Index;
+use gltf::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::buffer::Target;
+use gltf::mesh::Semantic;
+use gltf::validation::{Checked, USize64};
+use gltf_json as gltf;
+
+/// A chunk's meshes, and where they lie.
+pub struct PlacedMesh {
+    /// Name of the chunk.
+    pub coord: ChunkCoord,
+    /// Its south-west corner.
+    pub origin: Origin,
+    /// Its meshes.
+    pub mesh: ChunkMesh,
+}
+
+/// Writes meshes as a GLB file with `centre` (plan metres) at (0, height, 0): x east, y up, z south, in metres.
+pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportError> {
+    let mut file = File::default();
+    // Made when first used: readers warn of materials that nothing has.
+    let mut materials = [None; MATERIALS.len()];
+    for chunk in chunks {
+        let m = &chunk.mesh;
+        let of = [&m.ground, &m.water, &m.roads, &m.buildings, &m.windows];
+        let mut primitives = Vec::new();
+        for (i, buffers) in of.into_iter().enumerate() {
+            // Formats and viewers alike refuse empty meshes.
+            if !buffers.indices.is_empty() {
+                let (name, roughness) = MATERIALS[i];
+                let material = *materials[i].get_or_insert_with(|| file.material(name, roughness));
+                primitives.push(file.primitive(buffers, material)?);
+            }
+        }
+        if primitives.is_empty() {
+            continue;
+        }
+        let name = Some(format!("chunk {}", chunk.coord));
+        let mesh =
+            gltf::Mesh { extensions: None, extras: Default::default(), name: name.clone(), primitives, weights: None };
+        let mesh = file.root.push(mesh);
+        let at = chunk.origin.plan() - centre;
+        let translation = Some([at.x as f32, 0.0, -at.y as f32]);
+        file.nodes.push(file.root.push(gltf::Node { mesh: Some(mesh), name, translation, ..Default::default() }));
+    }
+    file.finish()
+}
+
+/// Name and roughness, in the order of the fields of [`ChunkMesh`].
+const MATERIALS: [(&str, f32); 5] =
+    [("ground", 1.0), ("water", 0.15), ("roads", 0.95), ("buildings", 0.85), ("windows", 0.1)];
+
+#[derive(Default)]
+struct File {
+    root: gltf::Root,
+    binary: Vec<u8>,
+    nodes: Vec<Index<gltf::Node>>,
+}
+
+impl File {
+    fn material(&mut self, name: &str, roughness: f32) -> Index<gltf::Material> {
+        let water = name == "water";
+        self.root.push(gltf::Material {
+            name: Some(name.into()),
+            alpha_mode: Checked::Valid(if water { gltf::material::AlphaMode::Blend } else { Default::default() }),
+            pbr_metallic_roughness: gltf::material::PbrMetallicRoughness {
+                metallic_factor: gltf::material::StrengthFactor(0.0),
+                roughness_factor: gltf::material::StrengthFactor(roughness),
+                ..Default::default()
+            },
+            ..Default::default()
+        })
+    }
+
+    fn primitive(
+        &mut self,
+        buffers: &MeshBuffers,
+        material: Index<gltf::Material>,
+    ) -> Result<gltf::mesh::Primitive, ExportError> {
+        let count = buffers.positions.len();
+        let fits = buffers.normals.len() == count && buffers.colours.len() == count;
+        if !fits || buffers.indices.iter().any(|i| *i as usize >= count) {
+            return Err(ExportError::Format("a mesh's buffers differ in length".into()));
+        }
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in &buffers.positions {
+            (low, high) = (low.min((*p).into()), high.max((*p).into()));
+        }
+        let positions = buffers.positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        // Readers insist on unit length.
+        let unit = |n: &[f32; 3]| Vec3::from(*n).try_normalize().unwrap_or(Vec3::Y).to_array();
+        let normals = buffers.normals.iter().flat_map(unit).flat_map(f32::to_le_bytes).collect();
+        let part = |x: &f32| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16;
+        let colours = buffers.colours.iter().flatten().flat_map(|x| part(x).to_le_bytes()).collect();
+        let indices = buffers.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
+
+        let vertices = Some(Target::ArrayBuffer);
+        let positions = self.accessor(positions, vertices, count, Type::Vec3, ComponentType::F32);
+        let of = &mut self.root.accessors[positions.value()];
+        of.min = Some(low.to_array().map(f64::from).to_vec().into());
+        of.max = Some(high.to_array().map(f64::from).to_vec().into());
+        let normals = self.accessor(normals, vertices, count, Type::Vec3, ComponentType::F32);
+        let colours = self.accessor(colours, vertices, count, Type::Vec4, ComponentType::U16);
+        self.root.accessors[colours.value()].normalized = true;
+        let elements = Some(Target::ElementArrayBuffer);
+        let indices = self.accessor(indices, elements, buffers.indices.len(), Type::Scalar, ComponentType::U32);
+        let attributes =
+            [(Semantic::Positions, positions), (Semantic::Normals, normals), (Semantic::Colors(0), colours)];
+        Ok(gltf::mesh::Primitive {
+            attributes: attributes.into_iter().map(|(k, v)| (Checked::Valid(k), v)).collect(),
+            extensions: None,
+            extras: Default::default(),
+            indices: Some(indices),
+            material: Some(material),
+            mode: Checked::Valid(gltf::mesh::Mode::Triangles),
+            targets: None,
+        })
+    }
+
+    /// Appends bytes (a multiple of 4 of them) and describes them.
+    fn accessor(
+        &mut self,
+        bytes: Vec<u8>,
+        target: Option<Target>,
+        count: usize,
+        type_: Type,
+        component: ComponentType,
+    ) -> Index<gltf::Accessor> {
+        let view = self.root.push(gltf::buffer::View {
+            buffer: Index::new(0),
+            byte_length: USize64::from(bytes.len()),
+            byte_offset: Some(USize64::from(self.binary.len())),
+            byte_stride: None,
+            name: None,
+            target: target.map(Checked::Valid),
+            extensions: None,
+            extras: Default::default(),
+        });
+        self.binary.extend(bytes);
+        self.root.push(gltf::Accessor {
+            buffer_view: Some(view),
+            byte_offset: None,
+            count: USize64::from(count),
+            component_type: Checked::Valid(GenericComponentType(component)),
+            extensions: None,
+            extras: Default::default(),
+            type_: Checked::Valid(type_),
+            min: None,
+            max: None,
+            name: None,
+            normalized: false,
+            sparse: None,
+        })
+    }
+
+    fn finish(mut self) -> Result<Vec<u8>, ExportError> {
+        self.root.asset.generator = Some("bevy_sprawl".into());
+        if !self.binary.is_empty() {
+            self.root.buffers.push(gltf::Buffer {
+                byte_length: USize64::from(self.binary.len()),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: Default::default(),
+            });
+        }
+        let name = Some("sprawl".into());
+        let scene = gltf::Scene { extensions: None, extras: Default::default(), name, nodes: self.nodes };
+        self.root.scene = Some(self.root.push(scene));
+        let mut json = self.root.to_vec().map_err(|e| ExportError::Format(e.to_string()))?;
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let chunks: [(&[u8; 4], Vec<u8>); 2] = [(b"JSON", json), (b"BIN\0", self.binary)];
+        let total = 12 + chunks.iter().filter(|(_, data)| !data.is_empty()).map(|(_, d)| 8 + d.len()).sum::<usize>();
+        let length = |n: usize| {
+            let too_long = || ExportError::Format("the file would be larger than 4 GiB; take a smaller square".into());
+            u32::try_from(n).map(u32::to_le_bytes).map_err(|_| too_long())
+        };
+        let mut out = Vec::with_capacity(total);
+        out.extend(b"glTF");
+        out.extend(2u32.to_le_bytes());
+        out.extend(length(total)?);
+        for (kind, data) in chunks.iter().filter(|(_, data)| !data.is_empty()) {
+            out.extend(length(data.len())?);
+            out.extend(*kind);
+            out.extend(data);
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of two triangles, off the origin.
+    fn square(height: f32) -> MeshBuffers {
+        MeshBuffers {
+            positions: vec![[1.0, height, 0.0], [9.1, height, 0.0], [9.1, height, -7.0], [1.0, height, -7.0]],
+            normals: vec![[0.0, 2.0, 0.0]; 4],
+            colours: vec![[0.5, 1.5, 0.25, 1.0]; 4],
+            indices: vec![0, 1, 2, 0, 2, 3],
+        }
+    }
+
+    #[test]
+    fn chunks_are_nodes_and_lengths_add_up() {
+        let mesh = |roads| ChunkMesh { ground: square(0.0), roads, ..Default::default() };
+        let chunk = |x, mesh| {
+            let coord = ChunkCoord::new(x, -1);
+            PlacedMesh { coord, origin: coord.origin(512), mesh }
+        };
+        let chunks =
+            [chunk(1, mesh(square(2.0))), chunk(2, mesh(MeshBuffers::default())), chunk(3, ChunkMesh::default())];
+        let file = write(&chunks, DVec2::new(512.0, 0.0)).unwrap();
+        let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+        assert_eq!(word(8), file.len());
+        let root = gltf::Root::from_slice(&file[20..20 + word(12)]).unwrap();
+        assert_eq!((root.nodes.len(), root.meshes[0].primitives.len(), root.meshes[1].primitives.len()), (2, 2, 1));
+        assert_eq!(root.nodes[1].translation, Some([512.0, 0.0, 512.0]));
+        assert_eq!(root.buffers[0].byte_length.0 as usize, word(20 + word(12)));
+    }
+
+    #[test]
+    fn buffers_that_do_not_fit_are_refused() {
+        let mut ground = square(0.0);
+        ground.indices[0] = 4;
+        let coord = ChunkCoord::new(0, 0);
+        let chunk = PlacedMesh { coord, origin: coord.origin(512), mesh: ChunkMesh { ground, ..Default::default() } };
+        assert!(write(&[chunk], DVec2::ZERO).is_err());
+    }
+}

@@ -1,0 +1,99 @@
+//! Pictures and files of a square of the world: SVG, PNG, GeoJSON, OSM XML and GLB.
+//!
+//! Exporters are pure functions of a [`Plan`] (GLB: of chunk meshes). A square exports the streets it overlaps, whole,
+//! with the junctions at both their ends.
+
+pub mod geojson;
+pub mod glb;
+mod glyphs;
+pub mod osm;
+pub mod png;
+mod relief;
+#[cfg(test)]
+mod sample;
+pub mod svg;
+
+use crate::chunk::{PlacedStreet, owner_of, street_owner};
+use crate::layer::{Cancel, LayerError};
+use crate::network::{Junction, StreetClass};
+use crate::region::Outline;
+use crate::space::{Bounds, Origin};
+use crate::terrain::Terrain;
+use crate::world::{Area, Owned, World};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The writer failed.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// The content does not fit the format.
+    #[error("{0}")]
+    Format(String),
+}
+
+/// All that the exporters of maps read.
+pub struct Plan<'a> {
+    /// What the square holds.
+    pub area: &'a Area,
+    /// Outline of each of `area.settlements`, in the same order.
+    pub outlines: &'a [Arc<Outline>],
+    /// The ground.
+    pub terrain: &'a dyn Terrain,
+    /// Edge of a chunk in metres.
+    pub chunk_size: i64,
+}
+
+/// Outlines of the settlements of an area, as [`Plan::outlines`] wants them.
+pub fn outlines(world: &World, area: &Area) -> Result<Vec<Arc<Outline>>, LayerError> {
+    area.settlements.iter().map(|s| world.settlements().outline(s)).collect()
+}
+
+/// The settlements and roads that overlap `bounds` (plan metres), without streets, blocks and buildings: what a map of
+/// a whole region shows.
+pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
+    let origin = Origin::at(bounds.centre());
+    let size = world.settings().chunk_size;
+    let mut area = Area {
+        origin,
+        bounds,
+        streets: Vec::new(),
+        junctions: Vec::new(),
+        blocks: Vec::new(),
+        lots: Vec::new(),
+        footprints: Vec::new(),
+        settlements: Vec::new(),
+        unmet_ports: 0,
+    };
+    let mut junctions = BTreeMap::new();
+    for road in world.roads().overlapping(bounds, cancel)? {
+        let street = road.street.moved(road.origin.offset_to(origin));
+        let ends = [(street.from, street.line.first()), (street.to, street.line.last())];
+        junctions.extend(ends.into_iter().filter_map(|(id, at)| Some((id, *at?))));
+        let chunk = street_owner(origin, &street, size);
+        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
+    }
+    area.junctions = junctions
+        .into_iter()
+        .map(|(id, at)| Owned { chunk: owner_of(origin, at, size), it: Junction { id, at } })
+        .collect();
+    for settlement in world.settlements().overlapping(bounds)? {
+        if world.settlements().outline(&settlement)?.bounds().overlaps(bounds) {
+            area.settlements.push(settlement);
+        }
+    }
+    Ok(area)
+}
+
+/// An id as written in files: 16 hexadecimal digits, for a number in JSON keeps 53 bits only.
+pub(crate) fn hex(id: u64) -> String {
+    format!("{id:016x}")
+}
+
+/// Classes from the narrowest to the widest: the order in which they are drawn.
+pub(crate) fn narrowest_first() -> impl Iterator<Item = StreetClass> {
+    use StreetClass::{Arterial, Highway, Local, Main, Major, Minor};
+    [Local, Minor, Main, Major, Arterial, Highway].into_iter()
+}

@@ -1,0 +1,115 @@
+//! A small made-up town on made-up ground, for the tests of the exporters.
+
+use crate::chunk::PlacedStreet;
+use crate::export::Plan;
+use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::parcel::{Block, BlockUse, Footprint, Lot};
+use crate::region::{Outline, Settlement, SettlementId, SizeClass};
+use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};
+use crate::streets::MadeBy;
+use crate::terrain::{Terrain, TerrainSample};
+use crate::world::{Area, Owned};
+use glam::DVec2;
+use std::sync::Arc;
+
+pub struct Sample {
+    pub area: Area,
+    pub outlines: Vec<Arc<Outline>>,
+    pub terrain: Hills,
+}
+
+/// Rolling hills about `0`, with a lake where they are low and woods where they are high.
+pub struct Hills(DVec2);
+
+impl Terrain for Hills {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        let p = p - self.0;
+        let height = 30.0 * math::sin(p.x / 300.0) * math::cos(p.y / 240.0) + 8.0 * math::sin((p.x + 2.0 * p.y) / 90.0);
+        TerrainSample { height, water_level: -18.0, vegetation: (height / 30.0).clamp(0.0, 1.0) }
+    }
+}
+
+impl Sample {
+    pub fn plan(&self) -> Plan<'_> {
+        Plan { area: &self.area, outlines: &self.outlines, terrain: &self.terrain, chunk_size: 512 }
+    }
+}
+
+/// A grid of 5 by 5 junctions, 80 m apart, with bent streets, blocks, lots and buildings, crossed by a road on a bridge.
+pub fn town(centre: DVec2) -> Sample {
+    const N: usize = 5;
+    let origin = Origin::at(centre);
+    let chunk = |at: DVec2| ChunkCoord::containing(origin.to_plan(at), 512);
+    let at = |i: usize, j: usize| quantize(DVec2::new(i as f64 - 2.0, j as f64 - 2.0) * 80.3);
+    let name = |i: usize, j: usize| JunctionId::of(&[i as u64, j as u64]);
+    let (mut junctions, mut streets) = (Vec::new(), Vec::new());
+    let mut put = |street: Street, made_by: Option<MadeBy>| {
+        streets.push(Owned { chunk: chunk(street.line[0]), it: PlacedStreet { street, made_by } });
+    };
+    for (i, j) in (0..N * N).map(|k| (k % N, k / N)) {
+        junctions.push(Owned { chunk: chunk(at(i, j)), it: Junction { id: name(i, j), at: at(i, j) } });
+        for (k, l) in [(i + 1, j), (i, j + 1)] {
+            if k < N && l < N {
+                let edge = [i, j, k, l].map(|w| w as u64);
+                let main = (i == k && i == 2) || (j == l && j == 2);
+                let class = if main { StreetClass::Main } else { StreetClass::Local };
+                let bend = quantize((at(i, j) + at(k, l)) / 2.0 + (at(k, l) - at(i, j)).perp() * 0.05);
+                let line = vec![at(i, j), bend, at(k, l)];
+                let made_by = [MadeBy::Patch(3), MadeBy::Growth, MadeBy::Repair][(i + 2 * j) % 3];
+                put(Street::new(StreetId::of(&edge), class, name(i, j), name(k, l), line), (!main).then_some(made_by));
+            }
+        }
+    }
+    let (west, east) = (DVec2::new(-380.0, -130.0), DVec2::new(380.0, -110.5));
+    let (from, to) = (JunctionId::of(&[100]), JunctionId::of(&[101]));
+    for (id, at) in [(from, west), (to, east)] {
+        junctions.push(Owned { chunk: chunk(at), it: Junction { id, at } });
+    }
+    let mut road = Street::new(StreetId::of(&[100]), StreetClass::Major, from, to, vec![west, east]);
+    (road.level, road.bridge) = (1, true);
+    put(road, None);
+
+    let square = |centre: DVec2, half: f64| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| quantize(centre + DVec2::new(x, y) * half))
+            .to_vec()
+    };
+    let (mut blocks, mut lots, mut footprints) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, street) in streets.iter().enumerate().take((N - 1) * (N - 1)) {
+        let middle = (at(k % (N - 1), k / (N - 1)) + at(k % (N - 1) + 1, k / (N - 1) + 1)) / 2.0;
+        let (chunk, id) = (chunk(middle), k as u64 + 1000);
+        let used_as = if k == 5 { BlockUse::Park } else { BlockUse::Built };
+        blocks.push(Owned { chunk, it: Block { id, polygon: square(middle, 28.0), used_as } });
+        for (n, side) in [(0, -14.0), (1, 14.0)] {
+            let (id, at) = (id * 10 + n, middle + DVec2::new(side, side));
+            let street = street.it.street.id;
+            lots.push(Owned { chunk, it: Lot { id, block: k as u64 + 1000, polygon: square(at, 14.0), street } });
+            let building = Footprint { id: id + 50_000, lot: id, polygon: square(at, 8.0), storeys: 2 + n as u32 };
+            footprints.push(Owned { chunk, it: building });
+        }
+    }
+    junctions.sort_by_key(|j| j.it.id);
+    streets.sort_by_key(|s| s.it.street.id);
+    let settlement = Settlement {
+        id: SettlementId(77),
+        centre: origin,
+        radius: 300.0,
+        size: SizeClass::Town,
+        style: "grid".into(),
+        name: "Sample & Sons".into(),
+    };
+    let ring =
+        (0..24).map(|k| quantize(math::direction(f64::from(k) * std::f64::consts::TAU / 24.0) * 260.0)).collect();
+    let area = Area {
+        origin,
+        bounds: Bounds::square(centre, 800.0),
+        streets,
+        junctions,
+        blocks,
+        lots,
+        footprints,
+        settlements: vec![Arc::new(settlement)],
+        unmet_ports: 0,
+    };
+    Sample { area, outlines: vec![Arc::new(Outline { origin, polygon: ring })], terrain: Hills(origin.plan()) }
+}

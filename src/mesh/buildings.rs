@@ -1,0 +1,104 @@
+//! Buildings: closed solids of walls, roof and floor on each footprint.
+
+use crate::chunk::Chunk;
+use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
+use crate::mesh::drape::Surface;
+use crate::mesh::roofs::{Roof, cap, roof};
+use crate::mesh::windows::{Storeys, windows};
+use crate::parcel::{Footprint, Lot};
+use crate::space::{Bounds, stable_hash};
+use glam::DVec2;
+
+/// Height of a storey, and what walls stand above the last one, in metres.
+pub(super) const STOREY: f64 = 3.0;
+const TOP: f64 = 0.5;
+
+/// Plaster, brick and stone.
+const WALLS: [Rgb; 10] = [
+    [0.640, 0.560, 0.430],
+    [0.700, 0.660, 0.580],
+    [0.560, 0.420, 0.270],
+    [0.330, 0.130, 0.085],
+    [0.420, 0.190, 0.120],
+    [0.520, 0.490, 0.440],
+    [0.610, 0.480, 0.330],
+    [0.440, 0.400, 0.350],
+    [0.720, 0.690, 0.640],
+    [0.500, 0.370, 0.300],
+];
+
+/// Tiles and slate.
+const ROOFS: [Rgb; 6] = [
+    [0.330, 0.095, 0.050],
+    [0.250, 0.085, 0.055],
+    [0.095, 0.095, 0.105],
+    [0.150, 0.120, 0.105],
+    [0.290, 0.130, 0.075],
+    [0.060, 0.065, 0.075],
+];
+
+const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
+
+/// All buildings of a chunk, and their windows; without `full` they are boxes without windows.
+pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
+    let (mut solids, mut panes) = (MeshBuffers::default(), MeshBuffers::default());
+    let mut lots: Vec<&Lot> = chunk.lots.iter().collect();
+    lots.sort_by_key(|l| l.id);
+    let lot_of = |f: &Footprint| lots.binary_search_by_key(&f.lot, |l| l.id).ok().map(|i| lots[i]);
+    let mut ordered: Vec<(u64, &Footprint)> =
+        chunk.footprints.iter().map(|f| (lot_of(f).map_or(0, |l| l.block), f)).collect();
+    ordered.sort_by_key(|(block, f)| (*block, f.id));
+    for row in ordered.chunk_by(|a, b| a.0 == b.0) {
+        let neighbours: Vec<(Bounds, &[DVec2])> =
+            row.iter().map(|(_, f)| (Bounds::of(f.polygon.iter().copied()), &*f.polygon)).collect();
+        for (_, footprint) in row {
+            let lot = lot_of(footprint);
+            let floor = building(&mut solids, footprint, lot, surface, full);
+            if full {
+                let of = Storeys {
+                    plan: &footprint.polygon,
+                    floor,
+                    count: footprint.storeys,
+                    street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
+                    id: footprint.id,
+                };
+                windows(&mut panes, &of, &neighbours, surface);
+            }
+        }
+    }
+    (solids, panes)
+}
+
+/// Adds a building and returns the height of its ground floor.
+fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &mut Surface<'_>, full: bool) -> f64 {
+    let plan = &of.polygon;
+    let grounds = plan.iter().map(|p| surface.height(*p));
+    let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
+    // The ground floor is entered from the uphill side, unless that would bury it.
+    let floor = high.min(low + 2.0);
+    let base = low - if full { 0.6 } else { 3.0 };
+    let eaves = floor + f64::from(of.storeys) * STOREY + TOP;
+    let pick = |salt: u64, n: usize| (stable_hash(&[of.id, salt]) % n as u64) as usize;
+    // Neighbours of a block share a taste.
+    let block = lot.map_or(of.id, |l| l.block);
+    let taste = (stable_hash(&[block, 7]) % WALLS.len() as u64) as usize;
+    let wall = WALLS[if pick(1, 3) == 0 { pick(2, WALLS.len()) } else { (taste + pick(3, 3)) % WALLS.len() }];
+    let wall = blend(wall, [0.5; 3], pick(4, 20) as f32 / 100.0);
+    let tiles = ROOFS[(stable_hash(&[block, 8]) as usize % 3 * 2 + pick(5, 2)) % ROOFS.len()];
+
+    let shape = roof(plan, of.storeys, lot.map(|l| &l.polygon[..2]), of.id);
+    let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
+    // A box keeps the colour of its roof and some of its height.
+    let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + 1.2) };
+    walls(out, plan, base, eaves, wall);
+    shape.build(out, plan, eaves, colour, wall);
+    cap(out, plan, base, false, wall);
+    floor
+}
+
+fn walls(out: &mut MeshBuffers, plan: &[DVec2], low: f64, high: f64, colour: Rgb) {
+    for (i, &a) in plan.iter().enumerate() {
+        let b = plan[(i + 1) % plan.len()];
+        out.face(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], colour);
+    }
+}

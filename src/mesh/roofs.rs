@@ -1,0 +1,161 @@
+//! Roofs over footprints: flat, gabled, hipped, and mansards; each closes the walls below it edge to edge.
+
+use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
+use crate::space::{cross, left_normal, orient, stable_hash};
+use glam::{DVec2, DVec3};
+
+/// Storeys from which a building has no pitched roof.
+const FLAT_FROM: u32 = 4;
+
+/// Shape of a roof. `start` is the index of the footprint's corner where the pattern begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Roof {
+    /// Level.
+    Flat,
+    /// Over four corners: a ridge between the middles of edges `start + 1` and `start + 3`, or drawn in by a hip.
+    Ridge { start: usize, hip: bool },
+    /// Over an L whose inner corner is `start`: a ridge from the middle of each end wall to the knee.
+    Knee { start: usize },
+    /// Steep sides up to a level top.
+    Mansard,
+}
+
+/// The roof that suits a footprint. `frontage` is the edge of its lot along the street.
+pub(super) fn roof(plan: &[DVec2], storeys: u32, frontage: Option<&[DVec2]>, id: u64) -> Roof {
+    let pick = |salt: u64, n: u64| stable_hash(&[id, salt]) % n;
+    if storeys >= FLAT_FROM {
+        let mansard = storeys <= 7 && pick(11, 3) == 0 && inset(plan, MANSARD_IN).is_some();
+        return if mansard { Roof::Mansard } else { Roof::Flat };
+    }
+    let n = plan.len();
+    let edge = |i: usize| plan[(i + 1) % n] - plan[i % n];
+    let turn = |i: usize| cross(edge(i + n - 1).normalize_or_zero(), edge(i).normalize_or_zero());
+    match n {
+        4 if (0..4).all(|i| turn(i) > 0.7) => {
+            let (even, odd) = (edge(0).length() + edge(2).length(), edge(1).length() + edge(3).length());
+            if even.min(odd) > 28.0 {
+                return Roof::Flat;
+            }
+            // The ridge runs along the longer edges; in a row of houses along the street.
+            let row = frontage.and_then(|f| {
+                let (street, length) = ((f[1] - f[0]).normalize_or_zero(), f[0].distance(f[1]));
+                let across = (0..4).map(|i| plan[i].dot(street));
+                let (low, high) = across.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                let along = |i: usize| edge(i).normalize_or_zero().dot(street).abs();
+                (high - low > 0.93 * length).then(|| usize::from(along(0) < along(1)))
+            });
+            let start = row.unwrap_or(usize::from(even < odd));
+            Roof::Ridge { start, hip: row.is_none() && pick(12, 3) == 0 }
+        }
+        6 => {
+            let mut inner = (0..6).filter(|i| turn(*i) < -0.7);
+            match (inner.next(), inner.next()) {
+                (Some(start), None) if (0..6).filter(|i| turn(*i) > 0.7).count() == 5 => Roof::Knee { start },
+                _ => Roof::Flat,
+            }
+        }
+        _ => Roof::Flat,
+    }
+}
+
+/// How far a mansard's top is drawn in, and how high it is.
+const MANSARD_IN: f64 = 1.3;
+const MANSARD_UP: f64 = 2.6;
+
+impl Roof {
+    /// Adds the roof over walls that end at height `eaves`.
+    pub fn build(self, out: &mut MeshBuffers, plan: &[DVec2], eaves: f64, tiles: Rgb, wall: Rgb) {
+        let at = |i: usize| plan[i % plan.len()].extend(eaves);
+        let middle = |i: usize| (plan[i % plan.len()] + plan[(i + 1) % plan.len()]) / 2.0;
+        match self {
+            Self::Flat => cap(out, plan, eaves, true, tiles),
+            Self::Ridge { start: s, hip } => {
+                let (a, b) = (middle(s + 1), middle(s + 3));
+                let span = plan[(s + 1) % 4].distance(plan[(s + 2) % 4]).min(plan[s % 4].distance(plan[(s + 3) % 4]));
+                let up = (span * 0.36).min(4.5);
+                let pull = if hip { (span * 0.45).min(a.distance(b) * 0.4) } else { 0.0 };
+                let along = (b - a).normalize_or_zero() * pull;
+                let (a, b) = ((a + along).extend(eaves + up), (b - along).extend(eaves + up));
+                let ends = if hip { tiles } else { wall };
+                warped(out, [at(s), at(s + 1), a, b], tiles);
+                warped(out, [at(s + 2), at(s + 3), b, a], tiles);
+                out.face(&[at(s + 1), at(s + 2), a], ends);
+                out.face(&[at(s + 3), at(s), b], ends);
+            }
+            Self::Knee { start: s } => {
+                let (a, b) = (middle(s + 1), middle(s + 4));
+                let widths = [(s + 1, s + 2), (s + 4, s + 5)].map(|(i, j)| plan[i % 6].distance(plan[j % 6]));
+                let up = eaves + (widths[0].min(widths[1]) * 0.36).min(4.5);
+                let knee = ((plan[s % 6] + plan[(s + 3) % 6]) / 2.0).extend(up);
+                let (a, b) = (a.extend(up), b.extend(up));
+                warped(out, [at(s + 2), at(s + 3), knee, a], tiles);
+                warped(out, [at(s), at(s + 1), a, knee], tiles);
+                warped(out, [at(s + 3), at(s + 4), b, knee], tiles);
+                warped(out, [at(s + 5), at(s), knee, b], tiles);
+                out.face(&[at(s + 1), at(s + 2), a], wall);
+                out.face(&[at(s + 4), at(s + 5), b], wall);
+            }
+            Self::Mansard => {
+                let Some(top) = inset(plan, MANSARD_IN) else { return cap(out, plan, eaves, true, tiles) };
+                let up = |i: usize| top[i % top.len()].extend(eaves + MANSARD_UP);
+                for i in 0..plan.len() {
+                    warped(out, [at(i), at(i + 1), up(i + 1), up(i)], tiles);
+                }
+                cap(out, &top, eaves + MANSARD_UP, true, blend(tiles, [0.2; 3], 0.5));
+            }
+        }
+    }
+}
+
+/// A quadrangle that need not be flat, as two triangles.
+fn warped(out: &mut MeshBuffers, [a, b, c, d]: [DVec3; 4], colour: Rgb) {
+    out.face(&[a, b, c], colour);
+    out.face(&[a, c, d], colour);
+}
+
+/// A level face over a simple polygon, seen from above or from below.
+pub(super) fn cap(out: &mut MeshBuffers, plan: &[DVec2], height: f64, above: bool, colour: Rgb) {
+    let normal = if above { DVec3::Z } else { DVec3::NEG_Z };
+    let first = out.positions.len() as u32;
+    plan.iter().for_each(|p| {
+        out.vertex(p.extend(height), normal, colour, 1.0);
+    });
+    for [a, b, c] in ears(plan) {
+        out.triangle(if above { [a, b, c] } else { [a, c, b] }.map(|i| first + i as u32));
+    }
+}
+
+/// A polygon with each edge moved inwards by `by`; `None` where an edge would turn around or nearly vanish.
+fn inset(plan: &[DVec2], by: f64) -> Option<Vec<DVec2>> {
+    let n = plan.len();
+    let edge = |i: usize| (plan[(i + 1) % n] - plan[i % n]).normalize_or_zero();
+    let moved: Vec<DVec2> = (0..n)
+        .map(|i| {
+            let (before, after) = (edge(i + n - 1), edge(i));
+            plan[i] + (left_normal(before) + left_normal(after)) * (by / (1.0 + before.dot(after)).max(0.2))
+        })
+        .collect();
+    (0..n).all(|i| (moved[(i + 1) % n] - moved[i]).dot(edge(i)) > 1.0).then_some(moved)
+}
+
+/// Triangles of a simple counter-clockwise polygon, by cutting off ears.
+pub(super) fn ears(plan: &[DVec2]) -> Vec<[usize; 3]> {
+    let mut left: Vec<usize> = (0..plan.len()).collect();
+    let mut out = Vec::with_capacity(plan.len().saturating_sub(2));
+    while left.len() > 3 {
+        let n = left.len();
+        let corner = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
+        let is_ear = |k: &usize| {
+            let t = corner(*k);
+            let [a, b, c] = t.map(|i| plan[i]);
+            let holds = |p: DVec2| orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0;
+            orient(a, b, c) > 0.0 && !left.iter().any(|i| !t.contains(i) && holds(plan[*i]))
+        };
+        // A polygon that crosses itself has no ear left at some time: what remains is cut as it comes.
+        let k = (0..n).find(is_ear).unwrap_or(0);
+        out.push(corner(k));
+        left.remove(k);
+    }
+    out.extend(<[usize; 3]>::try_from(left).ok());
+    out
+}

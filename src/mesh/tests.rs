@@ -1,0 +1,244 @@
+//! Meshes of hand-made chunks on hilly ground.
+
+use crate::chunk::{Chunk, Ground, PlacedStreet};
+use crate::layer::Cancel;
+use crate::mesh::{ChunkMesh, Detail, MeshBuffers, build};
+use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::parcel::tests::{cell, divided};
+use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
+use crate::terrain::{Terrain, TerrainSample};
+use crate::town::ParcelRules;
+use glam::{DVec2, Vec3};
+use std::collections::BTreeMap;
+
+/// Hills with water in the hollows.
+struct Hills;
+
+impl Terrain for Hills {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        let height = 20.0 + 9.0 * math::sin(p.x / 140.0) * math::cos(p.y / 110.0) + 4.0 * math::sin(p.y / 60.0 + 1.0);
+        TerrainSample { height, water_level: 12.5, vegetation: 0.5 + 0.5 * math::sin(p.x / 97.0 + p.y / 71.0) }
+    }
+}
+
+fn empty(coord: ChunkCoord, terrain: &dyn Terrain) -> Chunk {
+    let size = 512;
+    let origin = coord.origin(size);
+    Chunk {
+        coord,
+        origin,
+        size,
+        ground: Ground::new(terrain, origin, size),
+        junctions: vec![],
+        streets: vec![],
+        arriving: vec![],
+        blocks: vec![],
+        lots: vec![],
+        footprints: vec![],
+        settlements: vec![],
+        unmet_ports: 0,
+    }
+}
+
+/// A chunk that owns a random cell of `pitch` metres between streets, with every street's junctions.
+fn town(seed: u64, pitch: f64, rules: &ParcelRules) -> Chunk {
+    let mut rng = Seed(seed).stream("mesh test", &[]);
+    let count = (440.0 / pitch) as usize;
+    let cell = cell(&mut rng, count, count, pitch);
+    let offset = DVec2::new(-870.0, 330.0);
+    let parcels = divided(seed, &cell, rules);
+    let mut chunk = empty(ChunkCoord::new(3, -2), &Hills);
+    let mut junctions = BTreeMap::new();
+    for street in &cell.streets {
+        let street = street.moved(offset);
+        junctions.insert(street.from, street.line[0]);
+        junctions.insert(street.to, street.line[street.line.len() - 1]);
+        chunk.streets.push(PlacedStreet { street, made_by: None });
+    }
+    chunk.junctions = junctions.into_iter().map(|(id, at)| Junction { id, at }).collect();
+    chunk.blocks = parcels.blocks.iter().map(|b| b.moved(offset)).collect();
+    chunk.lots = parcels.lots.iter().map(|l| l.moved(offset)).collect();
+    chunk.footprints = parcels.footprints.iter().map(|f| f.moved(offset)).collect();
+    chunk
+}
+
+fn meshes(chunk: &Chunk, detail: Detail) -> ChunkMesh {
+    build(chunk, &Hills, detail, &Cancel::new()).unwrap()
+}
+
+fn corners(mesh: &MeshBuffers) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+    mesh.indices.chunks(3).map(|t| [0, 1, 2].map(|i| Vec3::from(mesh.positions[t[i] as usize])))
+}
+
+/// Everything that a renderer relies on.
+fn check(mesh: &MeshBuffers, what: &str) {
+    assert!(mesh.indices.len().is_multiple_of(3));
+    assert!(mesh.normals.len() == mesh.positions.len() && mesh.colours.len() == mesh.positions.len());
+    assert!(mesh.indices.iter().all(|i| (*i as usize) < mesh.positions.len()), "{what}: index");
+    assert!(mesh.positions.iter().flatten().chain(mesh.colours.iter().flatten()).all(|v| v.is_finite()), "{what}");
+    assert!(mesh.normals.iter().all(|n| (Vec3::from(*n).length() - 1.0).abs() < 1e-4), "{what}: normals");
+    for (t, [a, b, c]) in mesh.indices.chunks(3).zip(corners(mesh)) {
+        let cross = (b - a).cross(c - a);
+        assert!(cross.length() > 1e-6, "{what}: triangle without area {a} {b} {c}");
+        for i in t {
+            let normal = Vec3::from(mesh.normals[*i as usize]);
+            assert!(cross.normalize().dot(normal) > 0.0, "{what}: winding {a} {b} {c} {normal}");
+        }
+    }
+}
+
+/// Every edge of the mesh is walked once each way.
+fn check_closed(mesh: &MeshBuffers) {
+    let mut edges: BTreeMap<[[u32; 3]; 2], i32> = BTreeMap::new();
+    for t in corners(mesh) {
+        for i in 0..3 {
+            let [a, b] = [t[i], t[(i + 1) % 3]].map(|p| p.to_array().map(f32::to_bits));
+            let (key, by) = if a < b { ([a, b], 1) } else { ([b, a], 1000) };
+            *edges.entry(key).or_default() += by;
+        }
+    }
+    let open = edges.iter().find(|(_, n)| **n != 1001);
+    assert!(open.is_none(), "open edge {:?}", open.map(|(e, n)| (e.map(|p| p.map(f32::from_bits)), n)));
+}
+
+#[test]
+fn meshes_are_sound_and_buildings_closed() {
+    let mut built = 0;
+    for (seed, pitch, setback, storeys) in [(1, 70.0, 3.0, (1, 3)), (2, 90.0, 0.0, (2, 6)), (3, 110.0, 0.0, (3, 9))] {
+        let rules =
+            ParcelRules { setback_front: setback, setback_side: setback / 2.0, storeys, ..ParcelRules::default() };
+        let chunk = town(seed, pitch, &rules);
+        built += chunk.footprints.len();
+        for detail in [Detail::Full, Detail::Reduced] {
+            let mesh = meshes(&chunk, detail);
+            assert_eq!(mesh, meshes(&chunk, detail));
+            for (part, what) in [
+                (&mesh.ground, "ground"),
+                (&mesh.water, "water"),
+                (&mesh.roads, "roads"),
+                (&mesh.buildings, "buildings"),
+            ] {
+                assert!(!part.indices.is_empty(), "{what}");
+                check(part, what);
+            }
+            check(&mesh.windows, "windows");
+            assert_eq!(mesh.windows.indices.is_empty(), detail == Detail::Reduced);
+            check_closed(&mesh.buildings);
+        }
+    }
+    assert!(built > 400, "{built}");
+}
+
+#[test]
+fn streets_are_covered_once_and_kerbs_never_cross_them() {
+    for seed in 0..4 {
+        let chunk = town(seed + 20, 80.0 + 10.0 * seed as f64, &ParcelRules::default());
+        let roads = meshes(&chunk, Detail::Full).roads;
+        // Triangles that face up, by 16 m squares of the plan.
+        let mut near: BTreeMap<(i32, i32), Vec<[DVec2; 3]>> = BTreeMap::new();
+        let mut heights = Vec::new();
+        for t in corners(&roads) {
+            let plan = t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z)));
+            if signed_area(&plan) < 1e-6 {
+                continue;
+            }
+            let bounds = crate::space::Bounds::of(plan);
+            let (low, high) = ((bounds.min / 16.0).floor().as_ivec2(), (bounds.max / 16.0).floor().as_ivec2());
+            for x in low.x..=high.x {
+                (low.y..=high.y).for_each(|y| near.entry((x, y)).or_default().push(plan));
+            }
+            let middle = (plan[0] + plan[1] + plan[2]) / 3.0;
+            let drawn = f64::from(t[0].y + t[1].y + t[2].y) / 3.0;
+            heights.push((middle, drawn - Ground::height_at(&Hills, chunk.origin.to_plan(middle))));
+        }
+        assert!(heights.iter().all(|(_, lift)| (0.09..0.25).contains(lift)), "streets follow the ground");
+        let covered = |p: DVec2| {
+            let cell = (p / 16.0).floor().as_ivec2();
+            near.get(&(cell.x, cell.y)).is_some_and(|list| {
+                list.iter().any(|t| (0..3).all(|i| crate::space::cross(t[(i + 1) % 3] - t[i], p - t[i]) >= -1e-3))
+            })
+        };
+        let streets: Vec<&Street> = chunk.streets.iter().map(|s| &s.street).collect();
+        let mut rng = Seed(seed).stream("cover", &[]);
+        let (mut holes, mut total) = (0, 0);
+        for street in &streets {
+            for _ in 0..60 {
+                let (at, along) = point_at(&street.line, rng.range(0.0, street.length()));
+                let p = at + along.perp() * (rng.signed() * (street.class.half_width() - 0.1));
+                total += 1;
+                holes += usize::from(!covered(p));
+            }
+        }
+        assert!(holes * 2000 < total, "seed {seed}: {holes} holes in {total} samples");
+        // What is raised to the height of a pavement lies on no carriageway.
+        let raised = heights.iter().filter(|(_, lift)| *lift > 0.17);
+        let crossing = raised
+            .clone()
+            .filter(|(p, _)| streets.iter().any(|s| distance_to_line(*p, &s.line) < s.class.carriageway() / 2.0 - 0.3));
+        assert!(crossing.count() * 500 < raised.count(), "seed {seed}: pavement on a carriageway");
+    }
+}
+
+#[test]
+fn neighbouring_ground_meets_to_the_bit_at_any_detail() {
+    let border = |mesh: &ChunkMesh, x: f32, shift: f32| {
+        let on = |(p, n): (&[f32; 3], &[f32; 3])| (p[0] == x).then_some(([p[0] - shift, p[1], p[2]], *n));
+        let mut points: Vec<_> = mesh.ground.positions.iter().zip(&mesh.ground.normals).filter_map(on).collect();
+        points.sort_by(|a, b| a.0[2].total_cmp(&b.0[2]));
+        points
+    };
+    let [west, east] = [ChunkCoord::new(-1, 0), ChunkCoord::new(0, 0)].map(|c| empty(c, &Hills));
+    for (a, b) in [(Detail::Full, Detail::Full), (Detail::Full, Detail::Reduced), (Detail::Reduced, Detail::Full)] {
+        let west_side = border(&meshes(&west, a), 512.0, 512.0);
+        assert_eq!(west_side.len(), 65);
+        assert_eq!(west_side, border(&meshes(&east, b), 0.0, 0.0));
+    }
+    for detail in [Detail::Full, Detail::Reduced] {
+        let ground = meshes(&east, detail).ground;
+        let area: f64 =
+            corners(&ground).map(|t| signed_area(&t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z))))).sum();
+        assert!((area - 512.0 * 512.0).abs() < 1e-3, "the square is covered once");
+    }
+}
+
+#[test]
+fn an_empty_chunk_has_ground_alone() {
+    struct Plain;
+    impl Terrain for Plain {
+        fn sample(&self, _: DVec2) -> TerrainSample {
+            TerrainSample { height: 5.0, water_level: 0.0, vegetation: 0.2 }
+        }
+    }
+    let mesh = build(&empty(ChunkCoord::new(0, 0), &Plain), &Plain, Detail::Full, &Cancel::new()).unwrap();
+    assert_eq!(mesh.ground.indices.len(), 64 * 64 * 6);
+    for part in [mesh.water, mesh.roads, mesh.buildings, mesh.windows] {
+        assert_eq!(part, MeshBuffers::default());
+    }
+}
+
+#[test]
+fn bridges_span_and_long_roads_leave_the_square() {
+    let mut chunk = empty(ChunkCoord::new(0, 0), &Hills);
+    let at = |x: f64, y: f64| DVec2::new(x, y);
+    let ends = [at(-900.0, 40.0), at(200.0, 60.0), at(420.0, 90.0), at(1400.0, 300.0)];
+    let id = |k: u64| JunctionId::of(&[k]);
+    for k in 0..3 {
+        let line = vec![ends[k], ends[k].lerp(ends[k + 1], 0.4) + at(3.0, 9.0), ends[k + 1]];
+        let mut street =
+            Street::new(StreetId::of(&[k as u64]), StreetClass::Major, id(k as u64), id(k as u64 + 1), line);
+        street.bridge = k == 1;
+        chunk.streets.push(PlacedStreet { street, made_by: None });
+    }
+    let mut junctions: Vec<Junction> = (1..3).map(|k| Junction { id: id(k as u64), at: ends[k] }).collect();
+    junctions.sort_by_key(|j| j.id);
+    chunk.junctions = junctions;
+    for detail in [Detail::Full, Detail::Reduced] {
+        let mesh = meshes(&chunk, detail);
+        check(&mesh.roads, "bridge");
+        let reach = mesh.roads.positions.iter().map(|p| p[0]).fold(0.0, f32::max);
+        assert!(reach > 1300.0, "{reach}");
+    }
+    let cancel = Cancel::new();
+    cancel.cancel();
+    assert!(build(&chunk, &Hills, Detail::Full, &cancel).is_err());
+}

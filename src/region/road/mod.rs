@@ -1,0 +1,269 @@
+//! Layer 3: roads between settlements (Galin et al. 2011). Makes pieces of road between gates and junctions, and says which
+//! settlements they connect. Reads terrain, settlements and their outlines.
+//!
+//! # Steps
+//!
+//! Each step is a pure function of what it is about, remembered in a bounded cache, and reads only what lies near:
+//!
+//! 1. [`pairs`]: the cheapest way of a pair of settlements on a wide lattice, within the ellipse that the greatest detour
+//!    allows; from these costs the proximity rule. A pair is decided by settlements within reach of both its ends.
+//! 2. [`site`]: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
+//!    around its outline.
+//! 3. [`course`]: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
+//!    read those of higher classes in their window, never of their own, so no order among equals matters.
+//! 4. [`graph`]: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
+//! 5. [`shape`]: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 12 steps
+//!    around.
+//! 6. [`piece`]: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
+//!
+//! # Padding
+//!
+//! Every point of a course has one of its settlements within [`TierSettings::padding`]: its way is at most `detour`
+//! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
+//! by that padding, and decided by settlements a `reach` further. `Reach` enforces both wherever settlements are read.
+//!
+//! # What holds
+//!
+//! Roads meet only at junctions: courses meet only at nodes and crossings of the lattice, which are vertices of the graph,
+//! and smoothing moves a line only where nothing is near. Roads touch an outline only in their gate, since the lattice is
+//! closed around it. Every course ends in gates, so no road ends in a field.
+
+mod course;
+mod graph;
+mod lattice;
+mod pairs;
+mod piece;
+mod places;
+mod search;
+mod settings;
+mod shape;
+mod site;
+#[cfg(test)]
+mod tests;
+
+pub use settings::{RoadSettings, TierSettings};
+
+use crate::layer::{Cancel, LayerCache, LayerError};
+use crate::network::{JunctionId, Street, StreetClass, StreetId};
+use crate::region::{Settlement, SettlementId, Settlements, SizeClass};
+use crate::space::{Bounds, Origin};
+use crate::terrain::Terrain;
+use glam::{DVec2, I64Vec2};
+use places::Places;
+use std::sync::Arc;
+
+/// A piece of road between two junctions (gates, forks, crossings, ends of bridges).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Road {
+    /// Origin that `street.line` is local to.
+    pub origin: Origin,
+    /// The piece, in the classes highway, major and minor.
+    pub street: Street,
+}
+
+/// Where roads enter a settlement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gate {
+    /// The junction where the roads end and the main street begins.
+    pub junction: JunctionId,
+    /// Index of the gate's vertex in the settlement's outline.
+    pub vertex: usize,
+    /// Position, local to the settlement: that vertex.
+    pub at: DVec2,
+    /// Unit direction in which the widest road arrives, into the settlement.
+    pub inward: DVec2,
+    /// Class of the widest road that ends here.
+    pub class: StreetClass,
+}
+
+/// A connection of two settlements that the proximity rule keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Stable name.
+    pub id: StreetId,
+    /// The settlement with the lower id.
+    pub from: SettlementId,
+    /// The settlement with the higher id.
+    pub to: SettlementId,
+    /// Class tau = min(sigma, sigma).
+    pub class: StreetClass,
+    /// Length of the geodesic in metres.
+    pub length_m: f64,
+    /// Its cost, in metres of flat open ground.
+    pub cost: f64,
+    /// Number of bridges.
+    pub bridges: usize,
+    /// Number of tunnels.
+    pub tunnels: usize,
+}
+
+/// All roads of a world, found by place.
+pub struct Roads {
+    work: Work,
+}
+
+/// What the steps share: what they read, and what each has made.
+struct Work {
+    settings: RoadSettings,
+    terrain: Arc<dyn Terrain>,
+    places: Arc<dyn Places>,
+    samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
+    pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
+    candidates: LayerCache<SettlementId, site::Candidates>,
+    sites: LayerCache<SettlementId, site::Site>,
+    courses: LayerCache<(SettlementId, SettlementId), course::Found>,
+    listed: LayerCache<(u8, i64, i64), course::Listed>,
+    graphs: LayerCache<[i64; 2], graph::Graph>,
+    shapes: LayerCache<[i64; 2], shape::Shapes>,
+    along: LayerCache<[graph::Key; 2], piece::Pieces>,
+    tiles: LayerCache<[i64; 2], piece::Pieces>,
+}
+
+/// Class of the roads whose smaller end is of a size.
+fn class_of(tier: SizeClass) -> StreetClass {
+    match tier {
+        SizeClass::City => StreetClass::Highway,
+        SizeClass::Town => StreetClass::Major,
+        SizeClass::Village => StreetClass::Minor,
+    }
+}
+
+impl Work {
+    fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
+        let share = |parts: usize| bytes / 32 * parts;
+        Self {
+            settings: settings.clone(),
+            terrain,
+            places,
+            samples: LayerCache::new(share(8)),
+            pairs: LayerCache::new(share(3)),
+            candidates: LayerCache::new(share(1)),
+            sites: LayerCache::new(share(4)),
+            courses: LayerCache::new(share(3)),
+            listed: LayerCache::new(share(3)),
+            graphs: LayerCache::new(share(3)),
+            shapes: LayerCache::new(share(2)),
+            along: LayerCache::new(share(2)),
+            tiles: LayerCache::new(share(3)),
+        }
+    }
+
+    fn candidates(&self, s: &Settlement) -> Result<Arc<site::Candidates>, LayerError> {
+        self.candidates.get(&s.id, || site::candidates(self, s))
+    }
+
+    fn site(&self, s: &Settlement) -> Result<Arc<site::Site>, LayerError> {
+        self.sites.get(&s.id, || site::site(self, s))
+    }
+
+    fn graph(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.graphs.get(&tile.to_array(), || graph::graph(self, tile, cancel))
+    }
+
+    fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
+        self.shapes.get(&tile.to_array(), || {
+            let mut graphs = Vec::new();
+            for y in -1..=1 {
+                for x in -1..=1 {
+                    graphs.push(self.graph(tile + I64Vec2::new(x, y), cancel)?);
+                }
+            }
+            shape::shapes(self, tile, &graphs, cancel)
+        })
+    }
+
+    fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {
+        self.tiles.get(&tile.to_array(), || piece::pieces(self, tile, cancel))
+    }
+}
+
+impl Roads {
+    /// Roads between `settlements` over `terrain`. `cache_bytes` bounds the memory of what is remembered.
+    pub fn new(
+        settings: &RoadSettings,
+        terrain: Arc<dyn Terrain>,
+        settlements: Arc<Settlements>,
+        cache_bytes: usize,
+    ) -> Self {
+        Self { work: Work::new(settings, terrain, settlements, cache_bytes) }
+    }
+
+    /// Pieces of road whose centre line comes into `bounds` (plan metres; the box of one of its segments overlaps it),
+    /// sorted by id.
+    pub fn overlapping(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Road>>, LayerError> {
+        let size = (graph::TILE_STEPS * self.work.settings.step) as f64;
+        let (min, max) = ((bounds.min / size).floor().as_i64vec2(), (bounds.max / size).floor().as_i64vec2());
+        let mut out = Vec::new();
+        for y in min.y..=max.y {
+            for x in min.x..=max.x {
+                cancel.check()?;
+                let tile = self.work.tile(I64Vec2::new(x, y), cancel)?;
+                out.extend(tile.0.iter().filter(|r| r.enters(bounds)).cloned());
+            }
+        }
+        out.sort_by_key(|r: &Arc<Road>| r.street.id);
+        out.dedup_by_key(|r| r.street.id);
+        Ok(out)
+    }
+
+    /// Gates of a settlement, by vertex.
+    pub fn gates(&self, settlement: &Settlement, cancel: &Cancel) -> Result<Vec<Gate>, LayerError> {
+        let mut out: Vec<Gate> = Vec::new();
+        for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
+            if tier > settlement.size {
+                continue;
+            }
+            for course in course::courses_of(&self.work, tier, settlement, cancel)? {
+                let last = usize::from(course.ends[1].settlement == settlement.id);
+                let (end, node) =
+                    (&course.ends[last], if last == 1 { course.nodes.last() } else { course.nodes.first() });
+                let Some(node) = node else { continue };
+                if out.iter().any(|g| g.vertex == end.vertex) {
+                    // Wider classes come first.
+                    continue;
+                }
+                let from = settlement.centre.to_local(lattice::node_at(*node, self.work.settings.step));
+                out.push(Gate {
+                    junction: JunctionId::of(&[2, settlement.id.0, end.vertex as u64, 0]),
+                    vertex: end.vertex,
+                    at: end.gate,
+                    inward: (end.gate - from).normalize_or_zero(),
+                    class: course.class,
+                });
+            }
+        }
+        out.sort_by_key(|g| g.vertex);
+        Ok(out)
+    }
+
+    /// Connections with at least one end in `bounds` (plan metres), sorted by id.
+    pub fn links(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Link>>, LayerError> {
+        let mut out: Vec<Arc<Link>> = Vec::new();
+        for s in self.work.places.of_tier(bounds, SizeClass::Village)? {
+            for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
+                cancel.check()?;
+                if tier > s.size {
+                    continue;
+                }
+                for course in course::courses_of(&self.work, tier, &s, cancel)? {
+                    if out.iter().any(|l| l.id == course.id) {
+                        continue;
+                    }
+                    let line = course.line(self.work.settings.step);
+                    out.push(Arc::new(Link {
+                        id: course.id,
+                        from: course.ends[0].settlement,
+                        to: course.ends[1].settlement,
+                        class: course.class,
+                        length_m: crate::space::line_length(&line),
+                        cost: course.cost,
+                        bridges: piece::bridges(&self.work, &line),
+                        tunnels: 0,
+                    }));
+                }
+            }
+        }
+        out.sort_by_key(|l| l.id);
+        Ok(out)
+    }
+}

@@ -1,0 +1,234 @@
+//! Pieces of road: lines of the graph from junction to junction, rounded off, and cut where bridges begin and end.
+
+use super::graph::{Graph, Key, Place, tile_bounds};
+use super::shape::{Shape, Shapes, corner};
+use super::{Road, Work};
+use crate::layer::{Cancel, LayerError, Weigh};
+use crate::network::{JunctionId, Street, StreetId};
+use crate::space::{Bounds, Origin, cut_line, line_length, point_at, quantize, segments, stable_hash};
+use glam::{DVec2, I64Vec2};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Distance in metres at which lines are looked at for water.
+const WATER_STEP: f64 = 8.0;
+/// Land between two bridges that is shorter, in metres, is bridged too.
+const SHORT_LAND: f64 = 40.0;
+/// A bridge that ends this near a junction, in metres, goes on to it.
+const SHORT_END: f64 = 20.0;
+
+/// Pieces along one line of the graph, or pieces in one tile.
+pub(super) struct Pieces(pub Vec<Arc<Road>>);
+
+impl Weigh for Pieces {
+    fn bytes(&self) -> usize {
+        self.0.iter().map(|r| 8 + size_of::<Road>() + r.street.line.len() * size_of::<DVec2>()).sum::<usize>() + 24
+    }
+}
+
+impl Road {
+    /// Whether the centre line comes into a box of the plan: whether the box of any of its segments overlaps it.
+    pub(super) fn enters(&self, bounds: Bounds) -> bool {
+        let local = bounds.moved(-self.origin.plan());
+        segments(&self.street.line).any(|(a, b)| Bounds::of([a, b]).overlaps(local))
+    }
+}
+
+/// Graphs and shapes by tile, held while a line is followed.
+struct Walk<'a> {
+    work: &'a Work,
+    cancel: &'a Cancel,
+    graphs: BTreeMap<[i64; 2], Arc<Graph>>,
+    shapes: BTreeMap<[i64; 2], Arc<Shapes>>,
+}
+
+impl Walk<'_> {
+    fn graph(&mut self, tile: I64Vec2) -> Result<Arc<Graph>, LayerError> {
+        if let Some(held) = self.graphs.get(&tile.to_array()) {
+            return Ok(held.clone());
+        }
+        let made = self.work.graph(tile, self.cancel)?;
+        self.graphs.insert(tile.to_array(), made.clone());
+        Ok(made)
+    }
+
+    fn shape(&mut self, key: Key) -> Result<Option<Shape>, LayerError> {
+        let tile = key.tile().to_array();
+        let held = match self.shapes.get(&tile) {
+            Some(held) => held.clone(),
+            None => {
+                let made = self.work.shapes(key.tile(), self.cancel)?;
+                self.shapes.insert(tile, made.clone());
+                made
+            }
+        };
+        Ok(held.0.get(&key).copied())
+    }
+
+    /// The line from `a` over `b` on to the next vertex that does not have two ways, `a` included.
+    fn ahead(&mut self, a: Key, b: Key) -> Result<Vec<Key>, LayerError> {
+        let mut out = vec![a, b];
+        let (mut before, mut at) = (a, b);
+        loop {
+            let graph = self.graph(at.tile())?;
+            let next = match graph.vertices.get(&at) {
+                Some(v) if v.ways.len() == 2 => v.ways.iter().map(|w| w.to).find(|to| *to != before),
+                _ => None,
+            };
+            // A ring without a junction would come back to its start.
+            match next {
+                Some(next) if at != a => {
+                    out.push(next);
+                    (before, at) = (at, next);
+                }
+                _ => return Ok(out),
+            }
+        }
+    }
+
+    /// The whole line through the edge from `a` to `b`, in the direction that is the same from whichever edge one starts.
+    fn line(&mut self, a: Key, b: Key) -> Result<Vec<Key>, LayerError> {
+        let mut back = self.ahead(b, a)?;
+        back.reverse();
+        let ahead = self.ahead(a, b)?;
+        back.extend(&ahead[2..]);
+        let reversed: Vec<Key> = back.iter().rev().copied().collect();
+        Ok(back.min(reversed))
+    }
+}
+
+/// Pieces whose centre line enters a tile, sorted by id.
+pub(super) fn pieces(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Pieces, LayerError> {
+    cancel.check()?;
+    let own = tile_bounds(tile, work.settings.step);
+    let mut walk = Walk { work, cancel, graphs: BTreeMap::new(), shapes: BTreeMap::new() };
+    let mut lines: BTreeMap<[Key; 2], Vec<Key>> = BTreeMap::new();
+    // Edges reach two steps over a tile's border, and rounding off moves lines by less than one.
+    let near = own.grown(work.settings.step as f64);
+    let mut done: Vec<[Key; 2]> = Vec::new();
+    for y in -1..=1 {
+        for x in -1..=1 {
+            let graph = walk.graph(tile + I64Vec2::new(x, y))?;
+            for (key, v) in &graph.vertices {
+                for way in &v.ways {
+                    let origin = Origin::at(own.min);
+                    let at = [v.place.local_to(origin), way.place.local_to(origin)];
+                    let passes = Bounds::of(at).overlaps(near.moved(-origin.plan()));
+                    if !passes || done.contains(&[*key, way.to]) {
+                        continue;
+                    }
+                    let line = walk.line(*key, way.to)?;
+                    for pair in line.windows(2) {
+                        done.extend([[pair[0], pair[1]], [pair[1], pair[0]]]);
+                    }
+                    lines.insert([line[0], line[1]], line);
+                }
+            }
+        }
+    }
+    let mut out = Vec::new();
+    for (name, line) in lines {
+        let along = work.along.get(&name, || build(&mut walk, &line).map(Pieces))?;
+        out.extend(along.0.iter().filter(|r| r.enters(own)).cloned());
+    }
+    out.sort_by_key(|r| r.street.id);
+    Ok(Pieces(out))
+}
+
+/// The pieces along a line of the graph.
+fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
+    walk.cancel.check()?;
+    let mut places: Vec<Shape> = Vec::new();
+    let mut class = None;
+    for (i, key) in keys.iter().enumerate() {
+        let graph = walk.graph(key.tile())?;
+        let Some(v) = graph.vertices.get(key) else { return Ok(Vec::new()) };
+        if i == 0 {
+            class = v.ways.iter().find(|w| w.to == keys[1]).map(|w| w.class);
+        }
+        let inner = i > 0 && i + 1 < keys.len();
+        let shape = if inner { walk.shape(*key)? } else { None };
+        places.push(shape.unwrap_or(Shape { place: v.place, round: false }));
+    }
+    let Some(class) = class else { return Ok(Vec::new()) };
+    let origin = places[0].place.origin;
+    let mut points: Vec<Place> = vec![places[0].place];
+    for w in places.windows(3) {
+        points.extend(corner(&w[0].place, &w[1], &w[2].place));
+    }
+    points.extend(places.last().map(|s| s.place));
+    let mut line: Vec<DVec2> = points.iter().map(|p| p.local_to(origin)).collect();
+    line.dedup();
+
+    let (from, to) = (keys[0].junction(), keys[keys.len() - 1].junction());
+    let mut words = keys[0].words().to_vec();
+    words.extend(keys[1].words());
+    words.extend(keys[keys.len() / 2].words());
+    words.extend([from.0, to.0]);
+    let name = stable_hash(&words);
+    let parts = parts(walk.work, origin, &line);
+    let whole = parts.len() == 1;
+    let mut out = Vec::new();
+    for (i, (range, bridge)) in parts.iter().enumerate() {
+        let end = |at: usize| match at {
+            0 => from,
+            n if n == parts.len() => to,
+            n => JunctionId::of(&[3, name, n as u64]),
+        };
+        let id = StreetId::of(&[name, end(i).0, end(i + 1).0, i as u64]);
+        let part = if whole { line.clone() } else { cut(&line, *range) };
+        let mut street = Street::new(id, class, end(i), end(i + 1), part);
+        street.bridge = *bridge;
+        out.push(Arc::new(Road { origin, street }));
+    }
+    Ok(out)
+}
+
+/// A part of a line, its new ends on the quantum grid.
+fn cut(line: &[DVec2], (from, to): (f64, f64)) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = cut_line(line, from, to).into_iter().map(quantize).collect();
+    out.dedup();
+    out
+}
+
+/// Lengths of a line in turn over land and over water: from, to, and whether it is a bridge.
+fn parts(work: &Work, origin: Origin, line: &[DVec2]) -> Vec<((f64, f64), bool)> {
+    let length = line_length(line);
+    let count = (length / WATER_STEP).ceil().max(1.0) as usize;
+    let step = length / count as f64;
+    let mut wet: Vec<(f64, f64)> = Vec::new();
+    for i in 0..=count {
+        let (p, _) = point_at(line, i as f64 * step);
+        if work.terrain.sample(origin.to_plan(p)).depth() <= 0.0 {
+            continue;
+        }
+        let (from, to) = ((i as f64 - 1.0) * step, (i as f64 + 1.0) * step);
+        match wet.last_mut() {
+            Some(last) if from - last.1 < SHORT_LAND => last.1 = to,
+            _ => wet.push((from, to)),
+        }
+    }
+    let mut out = Vec::new();
+    let mut at = 0.0;
+    for (from, to) in wet {
+        let from = if from < SHORT_END { 0.0 } else { from };
+        let to = if to > length - SHORT_END { length } else { to };
+        if from > at {
+            out.push(((at, from), false));
+        }
+        out.push(((from, to), true));
+        at = to;
+    }
+    if at < length {
+        out.push(((at, length), false));
+    }
+    out
+}
+
+/// Number of bridges along a way in plan metres.
+pub(super) fn bridges(work: &Work, line: &[DVec2]) -> usize {
+    // Relative to its own origin, so that the same way is the same anywhere.
+    let origin = Origin::at(line.first().copied().unwrap_or_default());
+    let local: Vec<DVec2> = line.iter().map(|p| origin.to_local(*p)).collect();
+    parts(work, origin, &local).iter().filter(|p| p.1).count()
+}

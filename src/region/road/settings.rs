@@ -1,0 +1,170 @@
+//! Settings of roads.
+
+use crate::layer::RangeError;
+use crate::region::SizeClass;
+use serde::{Deserialize, Serialize};
+
+/// Settings of roads, one set per class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RoadSettings {
+    /// Spacing in metres of the lattice that courses of roads run on: 64 to 512.
+    pub step: i64,
+    /// Roads between cities.
+    pub highway: TierSettings,
+    /// Roads between a town and a town or city.
+    pub major: TierSettings,
+    /// Roads between a village and any settlement.
+    pub minor: TierSettings,
+}
+
+/// Settings of one class of roads. Costs are in metres of flat open ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TierSettings {
+    /// Greatest beeline in metres between settlements that are tried: 500 to 60,000.
+    pub reach: f64,
+    /// Exponent of the proximity rule (Galin 2011, section 5): 1.01 to 20. 2 is a Gabriel graph, large a relative
+    /// neighbour graph.
+    pub gamma: f64,
+    /// Greatest cost of a road over its beeline; dearer ones are not built: 1.1 to 3.
+    pub detour: f64,
+    /// Steps of the wide lattice on which distances are found, in steps of the fine one: 1 to 8.
+    pub wide_step: i64,
+    /// How far in metres the course may leave the path on the wide lattice: 200 to 3000.
+    pub corridor: f64,
+    /// Extra cost per metre at the steepest slope allowed; grows with the square of the slope: 0 to 100.
+    pub slope: f64,
+    /// Steepest slope (rise over run) in the direction of travel, between lattice points: 0.01 to 1.
+    pub slope_limit: f64,
+    /// Extra cost per metre of bridge over shallow water: 0 to 100. It doubles at the greatest depth.
+    pub water: f64,
+    /// Greatest depth of water that is bridged, in metres: 0 to 200.
+    pub depth_limit: f64,
+    /// Greatest length of a bridge in metres: 0 to 5000.
+    pub bridge_limit: f64,
+    /// Extra cost per metre in dense wood: 0 to 20.
+    pub vegetation: f64,
+    /// Extra cost per metre at the centre of a settlement that the road does not serve: 0 to 100.
+    pub settlement: f64,
+    /// Extra cost per metre of a new road; an existing one of a higher class is used without: 0 to 5.
+    pub building: f64,
+    /// Extra cost per metre right beside an existing road of a higher class: 0 to 20.
+    pub beside: f64,
+    /// Cost of a bend of 22 degrees, in metres; grows with the square of the angle: 0 to 1000.
+    pub turn: f64,
+}
+
+impl Default for TierSettings {
+    fn default() -> Self {
+        Self {
+            reach: 4_900.0,
+            gamma: 2.2,
+            detour: 1.7,
+            wide_step: 2,
+            corridor: 800.0,
+            slope: 2.5,
+            slope_limit: 0.14,
+            water: 6.0,
+            depth_limit: 10.0,
+            bridge_limit: 300.0,
+            vegetation: 0.2,
+            settlement: 4.0,
+            building: 0.5,
+            beside: 1.0,
+            turn: 8.0,
+        }
+    }
+}
+
+impl Default for RoadSettings {
+    fn default() -> Self {
+        let minor = TierSettings::default();
+        let major = TierSettings {
+            reach: 11_500.0,
+            gamma: 2.4,
+            detour: 1.6,
+            corridor: 1_000.0,
+            slope: 3.0,
+            slope_limit: 0.11,
+            bridge_limit: 450.0,
+            turn: 14.0,
+            ..minor.clone()
+        };
+        let highway = TierSettings {
+            reach: 27_000.0,
+            gamma: 2.4,
+            detour: 1.5,
+            wide_step: 4,
+            corridor: 1_200.0,
+            slope: 4.0,
+            slope_limit: 0.08,
+            depth_limit: 15.0,
+            bridge_limit: 700.0,
+            turn: 24.0,
+            ..minor.clone()
+        };
+        Self { step: 128, highway, major, minor }
+    }
+}
+
+impl TierSettings {
+    fn check(&self) -> Result<(), RangeError> {
+        let range = RangeError::check;
+        range("reach", self.reach, 500.0, 60_000.0)?;
+        range("gamma", self.gamma, 1.01, 20.0)?;
+        range("detour", self.detour, 1.1, 3.0)?;
+        range("wide_step", self.wide_step as f64, 1.0, 8.0)?;
+        range("corridor", self.corridor, 200.0, 3000.0)?;
+        range("slope", self.slope, 0.0, 100.0)?;
+        range("slope_limit", self.slope_limit, 0.01, 1.0)?;
+        range("water", self.water, 0.0, 100.0)?;
+        range("depth_limit", self.depth_limit, 0.0, 200.0)?;
+        range("bridge_limit", self.bridge_limit, 0.0, 5000.0)?;
+        range("vegetation", self.vegetation, 0.0, 20.0)?;
+        range("settlement", self.settlement, 0.0, 100.0)?;
+        range("building", self.building, 0.0, 5.0)?;
+        range("beside", self.beside, 0.0, 20.0)?;
+        range("turn", self.turn, 0.0, 1000.0)
+    }
+
+    /// Distance from any point of a road of this class within which one of its two settlements has its centre: a path on
+    /// the wide lattice is no longer than `detour` times the distance on the stencil, which is at most 1.03 beelines, and
+    /// begins half a cell from the centre; the course keeps within the corridor around that path.
+    pub(super) fn padding(&self, step: i64) -> f64 {
+        let cell = (step * self.wide_step) as f64;
+        self.detour * (0.515 * self.reach + cell) + cell + self.corridor
+    }
+}
+
+impl RoadSettings {
+    /// Checks ranges.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::check("step", self.step as f64, 64.0, 512.0)?;
+        self.highway.check().map_err(|e| e.within("highway"))?;
+        self.major.check().map_err(|e| e.within("major"))?;
+        self.minor.check().map_err(|e| e.within("minor"))
+    }
+
+    /// Settings of the roads whose smaller end is of size `tier`.
+    pub(super) fn tier(&self, tier: SizeClass) -> &TierSettings {
+        match tier {
+            SizeClass::City => &self.highway,
+            SizeClass::Town => &self.major,
+            SizeClass::Village => &self.minor,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_in_range_and_errors_name_the_field() {
+        assert_eq!(RoadSettings::default().check(), Ok(()));
+        let mut s = RoadSettings::default();
+        s.major.gamma = f64::NAN;
+        assert_eq!(s.check().unwrap_err().field, "major.gamma");
+    }
+}

@@ -1,0 +1,261 @@
+//! Where roads may enter a settlement, and where they may not pass beside it.
+//!
+//! A settlement offers a few *ties*: straight ways from a vertex of its outline to a node of the lattice outside. Roads
+//! begin and end with one of them; the lattice near the outline is closed to them otherwise. So no road crosses an
+//! outline, nor another settlement's tie, and gates keep apart, whichever roads there will be.
+
+use super::Work;
+use super::lattice::{STENCIL, node_at};
+use super::search::Window;
+use crate::layer::{LayerError, Reach, Weigh};
+use crate::region::{Outline, Settlement};
+use crate::space::{
+    Bounds, Origin, distance_to_segment, left_normal, point_in_polygon, polygon_distance, segment_crossing,
+    segment_distance, signed_area,
+};
+use glam::{DVec2, I64Vec2};
+use std::f64::consts::FRAC_PI_4;
+
+/// Most ties that a settlement offers.
+const MOST_TIES: usize = 28;
+/// Least distance of two gates along the outline, in metres.
+const GATE_SPACING: f64 = 170.0;
+/// Distance that ties keep from each other and from outlines, in metres.
+const TIE_CLEARANCE: f64 = 18.0;
+/// How far beyond an outline ties and closed edges reach, in steps of the lattice.
+pub(super) const SITE_STEPS: f64 = 6.0;
+
+/// A way from a gate to the lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tie {
+    /// Index of the gate's vertex in the outline.
+    pub vertex: usize,
+    /// The gate, local to the settlement.
+    pub gate: DVec2,
+    /// The node outside.
+    pub node: I64Vec2,
+    /// Length of the way from the settlement's centre to the node, in metres.
+    pub way: f64,
+}
+
+/// Ties of a settlement, and the edges of the lattice that it closes.
+#[derive(Clone, Debug)]
+pub(super) struct Site {
+    pub ties: Vec<Tie>,
+    pub window: Window,
+    /// A bit per heading for each node of the window: closed.
+    pub closed: Vec<u16>,
+}
+
+/// Ties of a settlement on its own, before those of its neighbours are looked at.
+pub(super) struct Candidates(pub Vec<Tie>);
+
+impl Weigh for Site {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.ties.len() * size_of::<Tie>() + self.closed.len() * 2
+    }
+}
+
+impl Weigh for Candidates {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.0.len() * size_of::<Tie>()
+    }
+}
+
+/// Ties that the outline and the ground allow, spread around the outline.
+pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, LayerError> {
+    let outline = work.places.outline(s)?;
+    let step = work.settings.step;
+    let polygon = &outline.polygon;
+    let count = polygon.len();
+    let around: f64 = (0..count).map(|i| polygon[i].distance(polygon[(i + 1) % count])).sum();
+    let sectors = ((around / GATE_SPACING) as usize).clamp(3, MOST_TIES);
+    let mut best: Vec<Option<(f64, Tie)>> = vec![None; sectors];
+    let mut along = 0.0;
+    for (vertex, gate) in polygon.iter().enumerate() {
+        let sector = ((along / around * sectors as f64) as usize).min(sectors - 1);
+        // Best in the middle of a sector, so that the gates of neighbouring sectors keep apart.
+        let off_middle = (along / around * sectors as f64 - sector as f64 - 0.5).abs();
+        along += gate.distance(polygon[(vertex + 1) % count]);
+        if off_middle > 0.3 {
+            continue;
+        }
+        for (score, node) in nodes_outside(&outline, vertex, step) {
+            let score = score + off_middle * 0.5;
+            if best[sector].as_ref().is_none_or(|b| score < b.0) && is_dry(work, &outline, *gate, node) {
+                let way = gate.length() + gate.distance(outline.origin.to_local(node_at(node, step)));
+                best[sector] = Some((score, Tie { vertex, gate: *gate, node, way }));
+            }
+        }
+    }
+    let mut out: Vec<Tie> = Vec::new();
+    for (_, tie) in best.into_iter().flatten() {
+        let end = outline.origin.to_local(node_at(tie.node, step));
+        let clear = |o: &Tie| {
+            let other = outline.origin.to_local(node_at(o.node, step));
+            o.node != tie.node && segment_distance(o.gate, other, tie.gate, end) > TIE_CLEARANCE
+        };
+        if out.iter().all(clear) {
+            out.push(tie);
+        }
+    }
+    Ok(Candidates(out))
+}
+
+/// Nodes outside of an outline that a straight tie from one of its vertices could lead to, with what speaks against each.
+fn nodes_outside(outline: &Outline, vertex: usize, step: i64) -> Vec<(f64, I64Vec2)> {
+    let polygon = &outline.polygon;
+    let count = polygon.len();
+    let (before, at, after) = (polygon[(vertex + count - 1) % count], polygon[vertex], polygon[(vertex + 1) % count]);
+    let sign = if signed_area(polygon) > 0.0 { -1.0 } else { 1.0 };
+    let outward = |a: DVec2, b: DVec2| left_normal(b - a).normalize_or_zero() * sign;
+    let normal = (outward(before, at) + outward(at, after)).normalize_or_zero();
+    if normal == DVec2::ZERO {
+        return Vec::new();
+    }
+    let s = step as f64;
+    let middle = super::lattice::node_near(outline.origin.to_plan(at + normal * s * 1.2), step);
+    let mut out = Vec::new();
+    for dy in -1..=1 {
+        for dx in -1..=1 {
+            let node = middle + I64Vec2::new(dx, dy);
+            let end = outline.origin.to_local(node_at(node, step));
+            let (length, angle) = (at.distance(end), crate::space::math::angle_between(end - at, normal));
+            if length < 0.7 * s || length > 2.0 * s || angle > FRAC_PI_4 {
+                continue;
+            }
+            let near = |a: DVec2, b: DVec2, margin: f64| {
+                (0..count).any(|i| segment_distance(a, b, polygon[i], polygon[(i + 1) % count]) < margin)
+            };
+            // From a little way out, the tie must keep its distance; before that only not cross.
+            let out_there = at + (end - at) * (TIE_CLEARANCE * 1.5 / length);
+            let crosses = (0..count).any(|i| {
+                let j = (i + 1) % count;
+                i != vertex && j != vertex && segment_crossing(at, out_there, polygon[i], polygon[j]).is_some()
+            });
+            let inside = point_in_polygon(out_there, polygon) || point_in_polygon(end, polygon);
+            if inside || crosses || near(out_there, end, TIE_CLEARANCE * 0.8) || near(end, end, 0.6 * s) {
+                continue;
+            }
+            out.push((angle + (length / s - 1.2).abs() * 0.3, node));
+        }
+    }
+    out
+}
+
+fn is_dry(work: &Work, outline: &Outline, gate: DVec2, node: I64Vec2) -> bool {
+    let end = node_at(node, work.settings.step);
+    let gate = outline.origin.to_plan(gate);
+    [0.0, 0.5, 1.0].iter().all(|t| work.terrain.sample(gate.lerp(end, *t)).depth() == 0.0)
+}
+
+/// Ties of a settlement that leave its neighbours' outlines and ties alone, and the edges that it closes.
+pub(super) fn site(work: &Work, s: &Settlement) -> Result<Site, LayerError> {
+    let outline = work.places.outline(s)?;
+    let step = work.settings.step;
+    let own = outline.bounds();
+    let reach = Reach::new("roads", own, SITE_STEPS * step as f64);
+    let read = reach.check(own.grown(4.0 * step as f64))?;
+    let mut ties = work.candidates(s)?.0.clone();
+    for other in work.places.overlapping(read)? {
+        if other.id == s.id {
+            continue;
+        }
+        let there = work.places.outline(&other)?;
+        if !there.bounds().overlaps(read) {
+            continue;
+        }
+        let shift = outline.origin.offset_to(there.origin);
+        // Of two ties in each other's way, that of the settlement with the higher id goes.
+        let theirs = if other.id < s.id { work.candidates(&other)?.0.clone() } else { Vec::new() };
+        ties.retain(|t| {
+            let (gate, end) = (t.gate + shift, there.origin.to_local(node_at(t.node, step)));
+            let free = polygon_distance(gate, end, &there.polygon) > TIE_CLEARANCE * 0.5
+                && polygon_distance(end, end, &there.polygon) > 0.6 * step as f64
+                && !point_in_polygon(end, &there.polygon);
+            free && theirs.iter().all(|o| {
+                let other_end = there.origin.to_local(node_at(o.node, step));
+                segment_distance(gate, end, o.gate, other_end) > TIE_CLEARANCE || o.node == t.node
+            })
+        });
+    }
+    let window = Window::around(own.grown((SITE_STEPS - 1.0) * step as f64), step);
+    let closed = closed_edges(&outline, &ties, &window, step);
+    Ok(Site { ties, window, closed })
+}
+
+/// Edges that come near the outline, end near or inside of it, or meet a tie other than at its node.
+fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> Vec<u16> {
+    let local = |node: I64Vec2| outline.origin.to_local(node_at(node, step));
+    let polygon = &outline.polygon;
+    let margin = 0.33 * step as f64;
+    let mut closed = vec![0u16; window.len()];
+    let mut close = |node: I64Vec2, heading: usize| {
+        for (node, heading) in [(node, heading), (node + STENCIL[heading], (heading + 8) % 16)] {
+            if window.contains(node) {
+                closed[window.index(node)] |= 1 << heading;
+            }
+        }
+    };
+    for (i, a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        let near = Bounds::of([*a, b]).moved(outline.origin.plan());
+        let part = Window::around(near.grown(margin), step);
+        // An edge reaches two nodes further than its ends.
+        let (min, max) = (part.min - 2, part.min + part.size + 2);
+        for y in min.y..max.y {
+            for x in min.x..max.x {
+                let node = I64Vec2::new(x, y);
+                let p = local(node);
+                let node_near = distance_to_segment(p, *a, b) < 0.5 * step as f64;
+                for (heading, s) in STENCIL.iter().enumerate() {
+                    let q = local(node + *s);
+                    if node_near {
+                        close(node, heading);
+                    } else if heading < 8
+                        && Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
+                        && segment_distance(p, q, *a, b) < margin
+                    {
+                        close(node, heading);
+                    }
+                }
+            }
+        }
+    }
+    for index in 0..window.len() {
+        let node = window.node(index);
+        if point_in_polygon(local(node), polygon) {
+            (0..16).for_each(|heading| close(node, heading));
+        }
+    }
+    for tie in ties {
+        let end = local(tie.node);
+        for y in -4..=4 {
+            for x in -4..=4 {
+                let node = tie.node + I64Vec2::new(x, y);
+                for (heading, s) in STENCIL.iter().enumerate().take(8) {
+                    let ends_there = node == tie.node || node + *s == tie.node;
+                    let (p, q) = (local(node), local(node + *s));
+                    // Near a tie there is no way along it either.
+                    if !ends_there && segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE {
+                        close(node, heading);
+                    } else if ends_there && leads_back(tie, end, if node == tie.node { q } else { p }) {
+                        close(node, heading);
+                    }
+                }
+            }
+        }
+    }
+    closed
+}
+
+/// Whether an edge from the node of a tie at `end` to `far` turns back beside the tie.
+fn leads_back(tie: &Tie, end: DVec2, far: DVec2) -> bool {
+    crate::space::math::angle_between(tie.gate - end, far - end) < std::f64::consts::FRAC_PI_3
+}
+
+/// The position of a settlement's gate in the plan.
+pub(super) fn gate_in_plan(s: &Settlement, tie: &Tie) -> DVec2 {
+    let centre: Origin = s.centre;
+    centre.to_plan(tie.gate)
+}

@@ -1,0 +1,226 @@
+//! What holds of roads as a whole.
+
+mod ground;
+
+use super::lattice::node_at;
+use super::*;
+use crate::space::{point_in_polygon, quantize, segment_crossing, segment_distance, segments};
+use ground::roads;
+use std::collections::BTreeMap;
+
+fn all(roads: &Roads, bounds: Bounds) -> Vec<Arc<Road>> {
+    roads.overlapping(bounds, &Cancel::new()).unwrap()
+}
+
+/// Segments of pieces around a common origin: piece, index in its line, ends.
+fn local_segments(pieces: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize, DVec2, DVec2)> {
+    let mut out = Vec::new();
+    for (i, r) in pieces.iter().enumerate() {
+        let shift = r.origin.offset_to(origin);
+        out.extend(segments(&r.street.line).enumerate().map(|(k, (a, b))| (i, k, a + shift, b + shift)));
+    }
+    out.sort_by(|a, b| a.2.x.min(a.3.x).total_cmp(&b.2.x.min(b.3.x)));
+    out
+}
+
+/// Panics unless pieces meet at shared junctions only.
+fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
+    let mut at: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
+    for r in pieces {
+        let (line, shift) = (&r.street.line, r.origin.offset_to(origin));
+        assert!(line.iter().all(|p| quantize(*p) == *p));
+        assert!(r.street.length() > 1.0, "{r:?}");
+        for (id, p) in [(r.street.from, line[0]), (r.street.to, line[line.len() - 1])] {
+            assert_eq!(*at.entry(id).or_insert(p + shift), p + shift);
+        }
+    }
+    let segments = local_segments(pieces, origin);
+    for (n, (i, k, a, b)) in segments.iter().enumerate() {
+        assert_ne!(a, b);
+        for (j, l, c, d) in &segments[n + 1..] {
+            if c.x.min(d.x) > a.x.max(b.x) {
+                break;
+            }
+            if i == j && k.abs_diff(*l) <= 1 {
+                continue;
+            }
+            let Some(x) = segment_crossing(*a, *b, *c, *d) else { continue };
+            let (r, s) = (&pieces[*i].street, &pieces[*j].street);
+            let shared = [r.from, r.to].iter().any(|id| (*id == s.from || *id == s.to) && at[id] == x.at);
+            assert!(shared, "{:?} and {:?} meet at {}", r.id, s.id, origin.to_plan(x.at));
+        }
+    }
+}
+
+#[test]
+fn pieces_meet_at_junctions_and_end_in_gates() {
+    for (seed, centre) in [(1, DVec2::ZERO), (2, DVec2::new(-40_000.0, 31_000.0)), (3, DVec2::new(5e8, -3e8))] {
+        let roads = roads(seed, false, &RoadSettings::default());
+        let bounds = Bounds::square(centre, 14_000.0);
+        let pieces = all(&roads, bounds);
+        assert!(pieces.len() > 30, "{}", pieces.len());
+        assert_planar(&pieces, Origin::at(centre));
+        let mut ends: BTreeMap<JunctionId, usize> = BTreeMap::new();
+        for r in &pieces {
+            for id in [r.street.from, r.street.to] {
+                *ends.entry(id).or_default() += 1;
+            }
+        }
+        let inner = bounds.grown(-4_000.0);
+        let mut gates = Vec::new();
+        let segments = local_segments(&pieces, Origin::at(centre));
+        for s in roads.work.places.of_tier(bounds.grown(3_000.0), SizeClass::Village).unwrap() {
+            let outline = roads.work.places.outline(&s).unwrap();
+            let shift = Origin::at(centre).offset_to(s.centre);
+            let own = roads.gates(&s, &Cancel::new()).unwrap();
+            for g in &own {
+                assert_eq!(outline.polygon[g.vertex], g.at);
+                assert!((g.inward.length() - 1.0).abs() < 1e-9);
+                if inner.contains(s.centre.to_plan(g.at)) {
+                    let piece = pieces.iter().find(|r| [r.street.from, r.street.to].contains(&g.junction)).unwrap();
+                    assert_eq!(piece.street.class, g.class);
+                    let line = &piece.street.line;
+                    let (end, before) = if piece.street.to == g.junction {
+                        (line[line.len() - 1], line[line.len() - 2])
+                    } else {
+                        (line[0], line[1])
+                    };
+                    assert_eq!(end + piece.origin.offset_to(s.centre), g.at);
+                    assert!((end - before).normalize().dot(g.inward) > 0.99);
+                }
+            }
+            let count = outline.polygon.len();
+            for (_, _, a, b) in &segments {
+                let (a, b) = (*a + shift, *b + shift);
+                if !Bounds::of([a, b]).overlaps(Bounds::of(outline.polygon.iter().copied())) {
+                    continue;
+                }
+                let gate = own.iter().find(|g| g.at == a || g.at == b).map(|g| g.vertex);
+                for i in 0..count {
+                    let j = (i + 1) % count;
+                    if gate == Some(i) || gate == Some(j) {
+                        let far = if a == own.iter().find(|g| Some(g.vertex) == gate).unwrap().at { b } else { a };
+                        assert!(!point_in_polygon(far, &outline.polygon));
+                    } else {
+                        assert!(segment_distance(a, b, outline.polygon[i], outline.polygon[j]) > 1.0);
+                    }
+                }
+            }
+            gates.extend(own.iter().map(|g| g.junction));
+        }
+        // No road stops in a field.
+        for r in &pieces {
+            let line = &r.street.line;
+            for (id, p) in [(r.street.from, line[0]), (r.street.to, line[line.len() - 1])] {
+                if inner.contains(r.origin.to_plan(p)) {
+                    assert!(ends[&id] > 1 || gates.contains(&id), "{id:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_pieces_whatever_was_asked_before() {
+    for centre in [DVec2::new(-3_000.0, -9_000.0), DVec2::new(5e8, 77.0)] {
+        let fresh = || roads(7, false, &RoadSettings::default());
+        let window = Bounds::square(centre, 2_500.0);
+        let alone = all(&fresh(), window);
+        assert!(!alone.is_empty());
+        let larger = fresh();
+        let mut inside = all(&larger, Bounds::square(centre + 900.0, 9_000.0));
+        inside.retain(|r| r.enters(window));
+        assert_eq!(alone, inside);
+        assert_eq!(alone, all(&larger, window));
+        // In quarters, from the far end, with caches that forget most of it in between.
+        let tiny = Roads {
+            work: Work::new(
+                &RoadSettings::default(),
+                larger.work.terrain.clone(),
+                larger.work.places.clone(),
+                3_000_000,
+            ),
+        };
+        let mut quarters: Vec<Arc<Road>> = Vec::new();
+        for (x, y) in [(0.25, 0.25), (0.25, -0.25), (-0.25, 0.25), (-0.25, -0.25)] {
+            let quarter = Bounds::square(centre + DVec2::new(x, y) * 2_500.0, 1_250.0);
+            quarters.extend(all(&tiny, quarter));
+        }
+        quarters.sort_by_key(|r| r.street.id);
+        quarters.dedup_by_key(|r| r.street.id);
+        assert_eq!(alone, quarters);
+    }
+}
+
+#[test]
+fn on_open_ground_gamma_two_gives_the_gabriel_graph() {
+    let mut settings = RoadSettings::default();
+    settings.major.gamma = 2.0;
+    settings.major.settlement = 0.0;
+    settings.major.reach = 14_000.0;
+    let roads = roads(5, true, &settings);
+    let bounds = Bounds::square(DVec2::ZERO, 40_000.0);
+    let all = roads.work.places.of_tier(bounds, SizeClass::Town).unwrap();
+    let mut kept_pairs = 0;
+    for a in &all {
+        for b in all.iter().filter(|b| b.id > a.id) {
+            let length = pairs::beeline(a, b);
+            let middle = (a.centre.plan() + b.centre.plan()) / 2.0;
+            if pairs::tier_of(a, b) != SizeClass::Town || length > settings.major.reach {
+                continue;
+            }
+            let nearest = all
+                .iter()
+                .filter(|c| c.id != a.id && c.id != b.id)
+                .map(|c| c.centre.plan().distance(middle))
+                .fold(f64::INFINITY, f64::min);
+            // A settlement on the circle itself may fall on either side: centres are rounded to nodes.
+            if (nearest / (length / 2.0) - 1.0).abs() < 0.05 {
+                continue;
+            }
+            let kept = pairs::kept(&roads.work, a, b, &all, &Cancel::new()).unwrap();
+            assert_eq!(kept, nearest > length / 2.0, "{} {}", a.name, b.name);
+            kept_pairs += usize::from(kept);
+        }
+    }
+    assert!(kept_pairs > 30, "{kept_pairs}");
+}
+
+#[test]
+fn links_name_settlements_and_cost_at_least_their_beeline() {
+    let roads = roads(11, false, &RoadSettings::default());
+    let bounds = Bounds::square(DVec2::new(20_000.0, 0.0), 9_000.0);
+    let links = roads.links(bounds, &Cancel::new()).unwrap();
+    let settlements = roads.work.places.of_tier(bounds, SizeClass::Village).unwrap();
+    assert!(links.len() >= settlements.len() / 2);
+    for l in &links {
+        assert!(l.from < l.to && l.cost.is_finite() && l.length_m > 0.0);
+        assert!(settlements.iter().any(|s| s.id == l.from || s.id == l.to));
+    }
+}
+
+#[test]
+fn courses_keep_within_their_padding() {
+    let roads = roads(4, false, &RoadSettings::default());
+    let step = roads.work.settings.step;
+    let bounds = Bounds::square(DVec2::ZERO, 8_000.0);
+    for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
+        let padding = roads.work.settings.tier(tier).padding(step);
+        for course in course::courses(&roads.work, tier, bounds, &Cancel::new()).unwrap() {
+            for node in &course.nodes {
+                let p = node_at(*node, step);
+                assert!(course.ends.iter().any(|e| e.centre.plan().distance(p) <= padding));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cancelled_question_ends_and_can_be_asked_again() {
+    let roads = roads(9, false, &RoadSettings::default());
+    let cancel = Cancel::new();
+    cancel.cancel();
+    let bounds = Bounds::square(DVec2::ZERO, 500.0);
+    assert_eq!(roads.overlapping(bounds, &cancel), Err(LayerError::Cancelled));
+    assert!(roads.overlapping(bounds, &Cancel::new()).is_ok());
+}

@@ -1,0 +1,121 @@
+//! Settings of settlements.
+
+use crate::layer::RangeError;
+use crate::region::SizeClass;
+use serde::{Deserialize, Serialize};
+
+/// A value for each size class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PerSize<T> {
+    /// Of cities.
+    pub city: T,
+    /// Of towns.
+    pub town: T,
+    /// Of villages.
+    pub village: T,
+}
+
+impl<T> PerSize<T> {
+    /// The value of a size class.
+    pub fn of(&self, size: SizeClass) -> &T {
+        match size {
+            SizeClass::City => &self.city,
+            SizeClass::Town => &self.town,
+            SizeClass::Village => &self.village,
+        }
+    }
+
+    /// One value from each size class, cities first.
+    pub(super) fn from_fn(mut make: impl FnMut(SizeClass) -> T) -> Self {
+        Self { city: make(SizeClass::City), town: make(SizeClass::Town), village: make(SizeClass::Village) }
+    }
+}
+
+/// Settings of settlements. Lengths in metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SettlementSettings {
+    /// Edge of a lattice cell, each of which holds at most one settlement: from 2.5 times the greatest radius plus 200 m,
+    /// to 1,000,000.
+    pub spacing: PerSize<f64>,
+    /// Least and greatest radius: 120 to 5,000.
+    pub radius: PerSize<(f64, f64)>,
+    /// Share of the lattice cells that are tried: 0 to 1.
+    pub share: PerSize<f64>,
+    /// Names of styles and how often each is chosen, as weights: at least one, not all 0.
+    pub styles: PerSize<Vec<(String, f64)>>,
+    /// How far a settlement strays from the middle of its cell: 0 is a chessboard, 0.9 the whole cell.
+    pub jitter: f64,
+    /// Greatest mean slope of a settlement's ground: 0.01 to 0.5.
+    pub max_slope: f64,
+    /// Greatest height of a centre above the sea: 0 to 10,000.
+    pub max_height: f64,
+    /// Least distance of two centres in sums of their radii: 0.8 (they may touch, along a line between them) to 4.
+    pub clearance: f64,
+    /// What is added to that: 0 to 10,000.
+    pub gap: f64,
+}
+
+impl Default for SettlementSettings {
+    fn default() -> Self {
+        let styles = |list: &[(&str, f64)]| list.iter().map(|(name, weight)| ((*name).into(), *weight)).collect();
+        Self {
+            spacing: PerSize { city: 16_000.0, town: 6_000.0, village: 2_500.0 },
+            radius: PerSize { city: (1100.0, 1700.0), town: (450.0, 800.0), village: (140.0, 300.0) },
+            share: PerSize { city: 1.0, town: 0.95, village: 0.9 },
+            styles: PerSize {
+                city: styles(&[("grid", 1.0), ("european", 1.0)]),
+                town: styles(&[("european", 1.0), ("suburb", 1.0)]),
+                village: styles(&[("village", 1.0)]),
+            },
+            jitter: 0.7,
+            max_slope: 0.08,
+            max_height: 450.0,
+            clearance: 1.25,
+            gap: 200.0,
+        }
+    }
+}
+
+impl SettlementSettings {
+    /// Checks that every value lies in its range; NaN lies in none.
+    pub fn check(&self) -> Result<(), RangeError> {
+        let range = RangeError::check;
+        for size in SizeClass::ALL {
+            let tier = size.name();
+            let within = |field: &str| format!("{field}.{tier}");
+            let radius = *self.radius.of(size);
+            range(&within("radius"), radius.0, 120.0, 5_000.0)?;
+            range(&within("radius"), radius.1, radius.0, 5_000.0)?;
+            range(&within("spacing"), *self.spacing.of(size), radius.1 * 2.5 + 200.0, 1_000_000.0)?;
+            range(&within("share"), *self.share.of(size), 0.0, 1.0)?;
+            let styles = self.styles.of(size);
+            for (_, weight) in styles {
+                range(&within("styles"), *weight, 0.0, 1e6)?;
+            }
+            if !styles.iter().any(|s| s.1 > 0.0) {
+                return Err(RangeError {
+                    field: within("styles"),
+                    value: "empty".into(),
+                    allowed: "at least one style with a weight above 0".into(),
+                });
+            }
+        }
+        range("jitter", self.jitter, 0.0, 0.9)?;
+        range("max_slope", self.max_slope, 0.01, 0.5)?;
+        range("max_height", self.max_height, 0.0, 10_000.0)?;
+        range("clearance", self.clearance, 0.8, 4.0)?;
+        range("gap", self.gap, 0.0, 10_000.0)
+    }
+
+    /// Names of the styles that settlements may get.
+    pub fn style_names(&self) -> impl Iterator<Item = &str> {
+        SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str())
+    }
+
+    /// Greatest radius of any settlement, in metres.
+    pub fn largest_radius(&self) -> f64 {
+        self.radius.city.1.max(self.radius.town.1).max(self.radius.village.1)
+    }
+}

@@ -1,0 +1,120 @@
+//! What the ground around a place allows a settlement: how far it can spread in each direction.
+
+use crate::region::outline::smooth;
+use crate::space::math;
+use crate::terrain::Terrain;
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+/// Dry ground kept between a settlement and water, in metres.
+pub(in crate::region) const SHORE: f64 = 25.0;
+/// Least reach of a settlement in every direction, in metres.
+pub(in crate::region) const LEAST_REACH: f64 = 105.0;
+/// Step along a ray over low ground, where a narrow river may lie, and over ground well above the water.
+const STEPS: (f64, f64) = (18.0, 36.0);
+/// Height above the water from which ground counts as well above it.
+const HIGH: f64 = 9.0;
+/// Ground lower than this above its water may be a bank: there a ray is searched in finer steps.
+const BANK: (f64, f64) = (1.4, 5.0);
+/// Length over which a slope is measured.
+const SLOPE_LENGTH: f64 = 40.0;
+/// Rays that a place is judged by.
+const RAYS: usize = 20;
+/// Share of its circle that a settlement fills at least.
+const LEAST_AREA: f64 = 0.42;
+/// A settlement ends where the ground is this many times steeper than its mean slope may be.
+const STEEP: f64 = 3.0;
+
+/// How far a settlement can go in one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::region) struct Ray {
+    /// Metres to the end: the limit, the shore, or the foot of steep ground.
+    pub reach: f64,
+    /// Whether water ends it.
+    pub wet: bool,
+    /// Sum of rise and fall on the way, in metres.
+    pub climb: f64,
+}
+
+/// Goes from `centre` (plan metres, on land) in a direction until `limit` metres, water, or slopes above three times
+/// `max_slope`.
+pub(in crate::region) fn ray(terrain: &dyn Terrain, centre: DVec2, way: DVec2, limit: f64, max_slope: f64) -> Ray {
+    let at = |along: f64| terrain.sample(centre + way * along);
+    let start = at(0.0);
+    let (mut along, mut last, mut climb) = (0.0, start, 0.0);
+    let mut mark = (0.0, start.height);
+    let mut end = limit;
+    // A shore just beyond the end still keeps its distance.
+    while along < end + SHORE {
+        let above = last.height - last.water_level;
+        let next = along + if above > HIGH { STEPS.1 } else { STEPS.0 };
+        let here = at(next);
+        let mut wet = (here.depth() > 0.0).then_some(next);
+        if wet.is_none() && above.min(here.height - here.water_level) < BANK.0 {
+            let finer = (1..(STEPS.1 / BANK.1) as usize).map(|i| along + i as f64 * BANK.1);
+            wet = finer.take_while(|d| *d < next).find(|d| at(*d).depth() > 0.0);
+        }
+        if let Some(mut wet) = wet {
+            // The water's edge between the last dry step and this one.
+            let mut dry = along;
+            while wet - dry > 1.0 {
+                let middle = (dry + wet) / 2.0;
+                if at(middle).depth() > 0.0 { wet = middle } else { dry = middle }
+            }
+            return Ray { reach: end.min((dry - SHORE).max(0.0)), wet: true, climb };
+        }
+        if next - mark.0 >= SLOPE_LENGTH && next < end {
+            if (here.height - mark.1).abs() > STEEP * max_slope * (next - mark.0) {
+                end = mark.0;
+            }
+            mark = (next, here.height);
+        }
+        climb += (here.height - last.height).abs();
+        (along, last) = (next, here);
+    }
+    Ray { reach: end, wet: false, climb }
+}
+
+/// How promising a place looks from a few samples: greater is better; `None` where a settlement cannot be.
+pub(super) fn promise(
+    terrain: &dyn Terrain,
+    centre: DVec2,
+    radius: f64,
+    max_slope: f64,
+    max_height: f64,
+) -> Option<f64> {
+    let middle = terrain.sample(centre);
+    if middle.depth() > 0.0 || middle.height > max_height {
+        return None;
+    }
+    let (mut slope, mut inner, mut outer) = (0.0, 0, 0);
+    for i in 0..16 {
+        // Two rings of eight.
+        let distance = radius * if i % 2 == 0 { 0.4 } else { 0.85 };
+        let s = terrain.sample(centre + math::direction(f64::from(i) / 16.0 * TAU) * distance);
+        slope += (s.height.max(s.water_level) - middle.height).abs() / distance / 16.0;
+        *(if i % 2 == 0 { &mut inner } else { &mut outer }) += i32::from(s.depth() > 0.0);
+    }
+    // A waterfront is worth something, water all around is not.
+    let shore = if outer <= 4 { 0.1 * f64::from(outer) } else { 0.0 };
+    let high = middle.height.max(0.0) / max_height.max(1.0);
+    Some(shore - slope / max_slope - 0.4 * f64::from(inner) - 0.15 * f64::from(outer.max(4) - 4) - 0.5 * high)
+}
+
+/// Whether a settlement of a radius finds enough ground around a place, and none of it too steep.
+pub(super) fn suits(terrain: &dyn Terrain, centre: DVec2, radius: f64, max_slope: f64) -> bool {
+    let (mut reach, mut climb, mut length) = ([0.0; RAYS], 0.0, 0.0);
+    for (i, reach) in reach.iter_mut().enumerate() {
+        let way = math::direction(i as f64 / RAYS as f64 * TAU);
+        let ray = ray(terrain, centre, way, radius, max_slope);
+        if ray.reach < LEAST_REACH {
+            return false;
+        }
+        *reach = ray.reach;
+        climb += ray.climb;
+        length += ray.reach;
+    }
+    smooth(&mut reach);
+    let area = reach.iter().map(|r| r * r).sum::<f64>() / (radius * radius * RAYS as f64);
+    area >= LEAST_AREA && climb <= max_slope * length
+}

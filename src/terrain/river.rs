@@ -1,0 +1,162 @@
+//! Courses of rivers as level lines of smooth fields, so that any point finds the rivers beside it on its own.
+//!
+//! Main rivers are the lines where a wandering coordinate `across` is a multiple of the spacing: bands, not closed loops.
+//! Half-way between two of them is a watershed. Tributaries are such lines of a second coordinate; those on one bank
+//! stand between those on the other, and each thins out towards the watershed, where it springs.
+
+use super::field::Octave;
+use crate::space::{Seed, math};
+use glam::DVec2;
+
+/// Slope of the banks.
+const BANK_SLOPE: f64 = 0.2;
+/// Height above the water to which banks rise; flood plains lie lower.
+pub(super) const BANK: f64 = 7.0;
+
+/// A coordinate in metres that grows along a heading, bent by noise.
+#[derive(Clone, Debug)]
+struct Bent {
+    heading: DVec2,
+    bends: Vec<(Octave, f64)>,
+}
+
+impl Bent {
+    fn new(seed: Seed, key: u64, heading: DVec2, spacing: f64, bends: &[(f64, f64)]) -> Self {
+        let bends = bends.iter().enumerate();
+        let octave = |(i, b): (usize, &(f64, f64))| (Octave::new(seed, key + i as u64, b.0 * spacing), b.1 * spacing);
+        Self { heading, bends: bends.map(octave).collect() }
+    }
+
+    fn at(&self, p: DVec2) -> f64 {
+        p.dot(self.heading) + self.bends.iter().map(|(o, w)| o.at(p) * w).sum::<f64>()
+    }
+
+    fn gradient(&self, p: DVec2) -> DVec2 {
+        self.heading + self.bends.iter().map(|(o, w)| o.with_gradient(p).1 * *w).sum::<DVec2>()
+    }
+
+    /// Metres per unit of the coordinate at `p`: turns a difference of values into a distance.
+    fn metres(&self, p: DVec2) -> f64 {
+        1.0 / self.gradient(p).length().clamp(STEEPNESS.0, STEEPNESS.1)
+    }
+}
+
+/// Bounds of a coordinate's gradient, so that a course is found from its value alone when it is far.
+const STEEPNESS: (f64, f64) = (0.3, 3.0);
+
+/// What rivers make of a point.
+pub(super) struct Course {
+    /// Height of bed and banks above the water surface; infinite where it is above [`BANK`].
+    pub profile: f64,
+    /// 0 on the flood plain of any river, 1 outside of its valley.
+    pub valley: f64,
+    /// 0 at a main river, 1 on the watershed.
+    pub watershed: f64,
+    /// 0 near the water, 1 from about 1 km on.
+    pub dry: f64,
+}
+
+/// The courses of all rivers of a world.
+#[derive(Clone, Debug)]
+pub(super) struct Rivers {
+    across: Bent,
+    along: Bent,
+    breadth: Octave,
+    spacing: f64,
+    tributaries: f64,
+    width: (f64, f64),
+}
+
+/// `x` to the nearest multiple of `spacing`.
+fn fold(x: f64, spacing: f64) -> f64 {
+    x - spacing * (x / spacing).round()
+}
+
+/// Height of bed and bank above the water at `distance` metres from the middle of a river.
+fn channel(distance: f64, width: f64, depth: f64) -> f64 {
+    let half = width / 2.0;
+    if distance < half {
+        let x = distance / half;
+        return depth * (x * x - 1.0);
+    }
+    (distance - half) * BANK_SLOPE
+}
+
+impl Rivers {
+    pub fn new(seed: Seed, spacing: f64, width: (f64, f64)) -> Self {
+        let heading = math::direction(seed.stream("terrain", &[900]).range(0.0, std::f64::consts::TAU));
+        let tributaries = spacing * 0.41;
+        let bends = [(0.071, 0.010), (0.24, 0.045), (0.83, 0.17), (3.7, 0.75), (11.3, 2.2)];
+        let side = [(0.13, 0.020), (0.41, 0.09), (1.9, 0.5), (7.9, 2.1)];
+        let turned = math::rotate(heading, std::f64::consts::FRAC_PI_2 - 0.35);
+        Self {
+            across: Bent::new(seed, 910, heading, spacing, &bends),
+            along: Bent::new(seed, 920, turned, tributaries, &side),
+            breadth: Octave::new(seed, 901, spacing * 0.7),
+            spacing,
+            tributaries,
+            width,
+        }
+    }
+
+    /// A place on a main river near `p`, if one is found downhill of the coordinate.
+    #[cfg(test)]
+    pub fn course_near(&self, mut p: DVec2) -> Option<DVec2> {
+        for _ in 0..60 {
+            let g = self.across.gradient(p);
+            let step = g * (-fold(self.across.at(p), self.spacing) / g.length_squared().max(0.05));
+            p += step.clamp_length_max(200.0);
+        }
+        (fold(self.across.at(p), self.spacing).abs() < 0.1).then_some(p)
+    }
+
+    /// Direction of the main river's course at `p`.
+    #[cfg(test)]
+    pub fn direction(&self, p: DVec2) -> DVec2 {
+        self.across.gradient(p).perp().normalize()
+    }
+
+    /// What rivers make of the plan point `p`.
+    pub fn at(&self, p: DVec2) -> Course {
+        let near = (self.width.1 / 2.0 + BANK / BANK_SLOPE) * STEEPNESS.1;
+        let u = self.across.at(p);
+        let main = fold(u, self.spacing);
+        let watershed = main.abs() * 2.0 / self.spacing;
+        let breadth = 0.5 + 0.7 * self.breadth.at(p).clamp(-0.7, 0.7);
+        let middle = (self.width.0 * self.width.1).sqrt();
+        let (mut profile, mut distance) = (f64::INFINITY, f64::INFINITY);
+        if main.abs() < near {
+            distance = main.abs() * self.across.metres(p);
+            let width = math::mix(middle, self.width.1, breadth);
+            profile = channel(distance, width, 1.5 + width * 0.06);
+        }
+
+        // Tributaries of the two banks; near the main river both are looked at, and the one from the other bank ends in it.
+        // Towards the watershed first the water runs dry, then the floor of the valley rises.
+        let v = self.along.at(p);
+        let dry = math::smoothstep(0.42, 0.56, watershed);
+        let width = math::mix(self.width.0, middle, breadth * (1.0 - watershed));
+        let depth = 1.0 + width * 0.05;
+        let mut gully = 1.0;
+        for (bank, phase) in [(1.0, 0.0), (-1.0, 0.5)] {
+            let beyond = -main * bank;
+            if beyond > 0.0 && main.abs() >= near {
+                continue;
+            }
+            let side = fold(v + phase * self.tributaries, self.tributaries).abs();
+            if beyond <= 0.0 {
+                gully = math::smoothstep(near, 0.25 * self.tributaries, side);
+            }
+            if side < near && dry < 1.0 {
+                let past = if beyond > 0.0 { distance * BANK_SLOPE } else { 0.0 };
+                let lift = past + dry * (depth + BANK);
+                profile = profile.min(channel(side * self.along.metres(p), width, depth) + lift);
+            }
+        }
+        let gully = math::mix(gully, 1.0, math::smoothstep(0.56, 0.85, watershed));
+        let valley = math::smoothstep(near, 0.2 * self.spacing, main.abs()) * gully;
+        let dry = math::smoothstep(0.0, 1500.0, main.abs() - near) * gully.sqrt();
+        let profile = if profile < BANK { profile } else { f64::INFINITY };
+        Course { profile, valley, watershed, dry }
+    }
+}

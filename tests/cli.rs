@@ -1,0 +1,172 @@
+//! The `sprawl` program as its users meet it: what it writes, and how it refuses.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+fn sprawl(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sprawl")).args(arguments).output().expect("the program starts")
+}
+
+/// stdout of a run that must succeed.
+fn out(arguments: &[&str]) -> String {
+    let output = sprawl(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    assert!(errors.is_empty(), "{arguments:?} is not quiet: {errors}");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&out(&[arguments, &["--json"]].concat())).expect("one JSON object")
+}
+
+/// The only line on stderr of a run that must be refused.
+fn refused(arguments: &[&str]) -> String {
+    let output = sprawl(arguments);
+    let line = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {line}");
+    assert_eq!(line.lines().count(), 1, "{arguments:?}: {line}");
+    line
+}
+
+/// A file in a folder of this test run.
+fn file(name: &str, content: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    if !content.is_empty() {
+        std::fs::write(&path, content).expect("the folder can be written");
+    }
+    path
+}
+
+/// `x,y` of the city of seed 5 that is nearest to the origin.
+fn city() -> &'static str {
+    static PLACE: OnceLock<String> = OnceLock::new();
+    PLACE.get_or_init(|| {
+        let found = json(&["settlements", "--seed", "5", "--size", "32000"]);
+        let cities = found["settlements"].as_array().expect("a list").iter().filter(|s| s["sigma"] == 2);
+        let at = |s: &Value| (s["x"].as_f64().expect("a number"), s["y"].as_f64().expect("a number"));
+        let square = |(x, y): (f64, f64)| x * x + y * y;
+        let nearest = cities.map(at).min_by(|a, b| square(*a).total_cmp(&square(*b)));
+        let (x, y) = nearest.expect("a city within 16 km");
+        format!("{x},{y}")
+    })
+}
+
+#[test]
+fn bad_input_is_refused_in_one_line() {
+    let settings = file("bad.ron", "(\n  terrain: (\n    colour: 3,\n  ),\n)");
+    let settings = settings.to_string_lossy();
+    let range = file("range.ron", "(\n  chunk_size: 100,\n)");
+    let patches = file("bad-patches.ron", "(patches: [\n (name: 3)\n])");
+    let cases: &[(&[&str], &str)] = &[
+        (&["stats", "--settings", &settings], "bad.ron:3:"),
+        (&["stats", "--settings", &range.to_string_lossy()], "range.ron:2:3: chunk_size is 100"),
+        (&["stats", "--settings", "missing.ron"], "missing.ron: "),
+        (&["stats", "--assets", "missing"], "missing"),
+        (&["patches", "check", &patches.to_string_lossy()], "bad-patches.ron:2:"),
+        (&["patches", "draw", "assets", "-o", "sheet.txt"], ".svg .png"),
+        (&["map", "-o", "town.txt"], ".svg .png .geojson .osm .glb"),
+        (&["map", "-o", "no/such/folder/town.svg"], "no/such/folder/town.svg"),
+        (&["map", "-o", "town.glb", "--size", "50000"], "at most 16000"),
+        (&["map"], "--output"),
+        (&["stats", "--size", "0"], "--size"),
+        (&["stats", "--size", "-4"], "--size"),
+        (&["stats", "--size=NaN"], "--size"),
+        (&["stats", "--size", "200001"], "200000"),
+        (&["stats", "--at", "7"], "--at"),
+        (&["stats", "--at", "1e15,0"], "too far out"),
+        (&["stats", "--threads", "0"], "--threads"),
+        (&["digest", "--chunks", "0..0,0..1"], "--chunks"),
+        (&["soak", "--seeds", "3..3"], "--seeds"),
+        (&["fly"], "fly"),
+        (&[], "--help"),
+    ];
+    for (arguments, expected) in cases {
+        let line = refused(arguments);
+        assert!(line.contains(expected), "{arguments:?}: {line}");
+    }
+    assert!(!Path::new("town.glb").exists());
+}
+
+#[test]
+fn patch_sets_are_checked_and_drawn() {
+    let report = json(&["patches", "check", "assets"]);
+    assert_eq!(report["errors"].as_array().map(Vec::len), Some(0));
+    assert!(report["sets"].as_array().expect("a list").len() >= 5);
+    for (name, magic) in [("sheet.svg", &b"<svg"[..]), ("sheet.png", b"\x89PNG")] {
+        let path = file(name, "");
+        out(&["patches", "draw", "assets/patches/grid.ron", "-o", &path.to_string_lossy()]);
+        assert!(std::fs::read(path).expect("a file").starts_with(magic), "{name}");
+    }
+}
+
+#[test]
+fn digests_do_not_depend_on_order_threads_or_memory() {
+    let (x, y) = city().split_once(',').expect("two numbers");
+    let chunk = |x: &str| (x.parse::<f64>().expect("a number") / 512.0).floor() as i64;
+    let chunks = format!("{}..{},{}..{}", chunk(x) - 1, chunk(x) + 2, chunk(y), chunk(y) + 2);
+    let base = ["digest", "--seed", "5", "--chunks", &chunks];
+    let first = json(&[&base[..], &["--threads", "1"]].concat());
+    assert_eq!(first["chunks"].as_object().map(serde_json::Map::len), Some(6));
+    let layers = ["terrain", "region", "town", "streets", "parcel", "chunk", "mesh"];
+    assert!(layers.iter().all(|l| first["layers"][l].as_str().is_some_and(|h| h.len() == 16)), "{first}");
+    let small = file("small.ron", "(cache: (region_mib: 8, town_mib: 8, chunk_mib: 8))");
+    let small = small.to_string_lossy();
+    for flags in [
+        &["--order", "reverse", "--threads", "3"][..],
+        &["--order", "shuffled", "--threads", "2", "--settings", &small],
+    ] {
+        assert_eq!(first, json(&[&base[..], flags].concat()), "{flags:?}");
+    }
+    assert_ne!(first["total"], json(&["digest", "--seed", "6", "--chunks", &chunks])["total"]);
+}
+
+#[test]
+fn stats_of_a_city_have_every_figure_and_no_fault() {
+    let report = json(&["stats", "--seed", "5", "--at", city(), "--size", "1500"]);
+    let keys = "area_km2 street_km junctions dead_ends degree cnr street_km_per_km2 junctions_per_km2 mean_street_m \
+        orientation_order circuity block_area_median_m2 share_angle_below_30 components unmet_ports \
+        crossings_without_junction buildings building_cover timing_ms";
+    for key in keys.split_whitespace() {
+        assert!(report.get(key).is_some(), "{key}");
+    }
+    let figure = |key: &str| report[key].as_f64().expect("a number");
+    assert_eq!((figure("area_km2"), figure("components")), (2.25, 1.0));
+    assert_eq!((figure("unmet_ports"), figure("crossings_without_junction")), (0.0, 0.0));
+    assert!(figure("street_km") > 8.0 && figure("buildings") > 100.0, "{report}");
+}
+
+#[test]
+fn every_format_is_written_and_the_map_passes_a_strangers_check() {
+    let at = city();
+    let starts: [(&str, &[u8]); 5] = [
+        ("town.geojson", b"{\"type\":\"FeatureCollection\""),
+        ("town.osm", b"<?xml"),
+        ("town.svg", b"<svg"),
+        ("town.png", b"\x89PNG"),
+        ("town.glb", b"glTF\x02\0\0\0"),
+    ];
+    for (name, magic) in starts {
+        let path = file(name, "");
+        let path = path.to_string_lossy();
+        let size = if name == "town.glb" { "600" } else { "1500" };
+        let report = json(&["map", "--seed", "5", "--at", at, "--size", size, "--pixels", "500", "-o", &path]);
+        let bytes = std::fs::read(&*path).expect("a file");
+        assert!(bytes.starts_with(magic), "{name}");
+        assert_eq!(report["bytes"].as_u64(), Some(bytes.len() as u64));
+        if name.ends_with("json") || name.ends_with("osm") {
+            let check = Command::new("python3").args(["tests/check_map.py", &path]).output();
+            // Machines without Python leave this to others.
+            let Ok(check) = check else { continue };
+            assert!(check.status.success(), "{name}: {}", String::from_utf8_lossy(&check.stdout));
+        }
+    }
+}
+
+#[test]
+fn negative_places_work_in_both_forms() {
+    let spaced = json(&["settlements", "--at", "-7000,-500", "--size", "9000"]);
+    assert_eq!(spaced, json(&["settlements", "--at=-7000,-500", "--size=9000"]));
+}

@@ -1,0 +1,157 @@
+//! The one promise: what is made depends on seed, settings and assets alone, wherever, whenever and on whichever thread.
+
+use bevy_sprawl::chunk::Chunk;
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::region::SizeClass;
+use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, stable_hash};
+use bevy_sprawl::world::{Fault, Settings, World, WorldAssets, audit, unreached_gates};
+use glam::DVec2;
+use proptest::prelude::*;
+
+fn world(seed: u64, settings: &Settings) -> World {
+    World::new(Seed(seed), settings.clone(), WorldAssets::bundled()).expect("settings are valid")
+}
+
+/// Everything in a chunk, to the last bit.
+fn print(chunk: &Chunk) -> u64 {
+    stable_hash(&format!("{chunk:?}").bytes().map(u64::from).collect::<Vec<_>>())
+}
+
+/// A chunk near the settlement nearest to a plan point.
+fn built_up(world: &World, near: DVec2) -> ChunkCoord {
+    let found = world.settlements().centred_in(Bounds::square(near, 24_000.0)).expect("not cancelled");
+    let centre = found.iter().map(|s| s.centre.plan()).min_by(|a, b| a.distance(near).total_cmp(&b.distance(near)));
+    ChunkCoord::containing(centre.unwrap_or(near), world.settings().chunk_size)
+}
+
+fn block(middle: ChunkCoord) -> Vec<ChunkCoord> {
+    let steps = || -1..=1;
+    steps().flat_map(|y| steps().map(move |x| ChunkCoord::new(middle.0.x + x, middle.0.y + y))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+
+    #[test]
+    fn order_threads_and_eviction_change_nothing(
+        seed in any::<u64>(),
+        far in prop_oneof![Just(0i64), -3_000_000..3_000_000i64, Just(512_000_000i64), Just(-512_000_000i64)],
+        towns in 4_000.0..9_000.0f64,
+        turn in 0usize..9,
+    ) {
+        let mut settings = Settings::default();
+        settings.settlements.spacing.town = towns;
+        let forward = world(seed, &settings);
+        let coords = block(built_up(&forward, DVec2::new(far as f64, -(far as f64) / 2.0)));
+        let get = |w: &World, c: &ChunkCoord| print(&w.chunk(*c, &Cancel::new()).expect("not cancelled"));
+        let expected: Vec<u64> = coords.iter().map(|c| get(&forward, c)).collect();
+
+        let backward = world(seed, &settings);
+        let mut reversed: Vec<u64> = coords.iter().rev().map(|c| get(&backward, c)).collect();
+        reversed.reverse();
+        prop_assert_eq!(&expected, &reversed, "reverse order");
+
+        let alone = world(seed, &settings);
+        prop_assert_eq!(expected[turn], get(&alone, &coords[turn]), "alone");
+
+        alone.forget_chunks();
+        let (a, b) = coords.split_at(4);
+        let threaded = std::thread::scope(|s| {
+            let first = s.spawn(|| a.iter().map(|c| get(&alone, c)).collect::<Vec<_>>());
+            let second = s.spawn(|| b.iter().map(|c| get(&alone, c)).collect::<Vec<_>>());
+            [first, second].into_iter().flat_map(|t| t.join().expect("no panic")).collect::<Vec<_>>()
+        });
+        prop_assert_eq!(&expected, &threaded, "two threads, after eviction");
+    }
+}
+
+#[test]
+fn seeds_differ() {
+    let settings = Settings::default();
+    let chunk = |seed| {
+        let w = world(seed, &settings);
+        print(&w.chunk(built_up(&w, DVec2::ZERO), &Cancel::new()).unwrap())
+    };
+    assert_ne!(chunk(1), chunk(2));
+}
+
+#[test]
+fn neighbouring_chunks_join_and_own_everything_once() {
+    let w = world(11, &Settings::default());
+    let size = w.settings().chunk_size as f64;
+    let middle = built_up(&w, DVec2::ZERO);
+    let bounds = middle.bounds(w.settings().chunk_size).grown(size);
+    let area = w.area(bounds, &Cancel::new()).unwrap();
+    let (mut streets, mut footprints) = (0, 0);
+    for coord in block(middle) {
+        let chunk = w.chunk(coord, &Cancel::new()).unwrap();
+        for placed in &chunk.streets {
+            let owned =
+                area.streets.iter().find(|s| s.it.street.id == placed.street.id).expect("areas hold all streets");
+            assert_eq!(owned.chunk, coord);
+        }
+        streets += chunk.streets.len();
+        footprints += chunk.footprints.len();
+    }
+    let ours = |c: ChunkCoord| (c.0 - middle.0).abs().max_element() <= 1;
+    assert_eq!(streets, area.streets.iter().filter(|s| ours(s.chunk)).count());
+    assert_eq!(footprints, area.footprints.iter().filter(|f| ours(f.chunk)).count());
+}
+
+#[test]
+fn cities_of_new_seeds_keep_every_promise() {
+    for seed in [901, 902, 903] {
+        let w = world(seed, &Settings::default());
+        let cities = w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 80_000.0), SizeClass::City).unwrap();
+        let city = cities.first().expect("a city within 40 km");
+        let area = w.area(Bounds::square(city.centre.plan(), 4000.0), &Cancel::new()).unwrap();
+        let found = audit(&area);
+        assert!(found.is_empty(), "seed {seed}: {} findings, first {}", found.len(), found[0]);
+        let outline = w.settlements().outline(city).unwrap();
+        assert_eq!(unreached_gates(&area, outline.origin, &outline.polygon), [], "seed {seed}");
+        assert!(area.streets.len() > 300 && area.footprints.len() > 500, "seed {seed} has no city");
+    }
+}
+
+#[test]
+fn a_route_leads_along_streets_across_a_city() {
+    let w = world(901, &Settings::default());
+    let city =
+        w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 80_000.0), SizeClass::City).unwrap()[0].clone();
+    let (from, to) = (city.centre.plan() - 500.0, city.centre.plan() + 500.0);
+    let route = w.route(from, to, 1000.0, &Cancel::new()).unwrap().expect("a city's streets are one component");
+    assert!(route.length >= route.points[0].distance(route.points[route.points.len() - 1]));
+    assert!(route.length < 4000.0 && route.streets.len() > 3, "{route:?}");
+    let longest = route.points.windows(2).map(|p| p[0].distance(p[1])).fold(0.0, f64::max);
+    assert!(longest < 600.0, "a jump of {longest} m");
+}
+
+#[test]
+fn a_cancelled_chunk_is_an_error_and_nothing_is_kept() {
+    let w = world(5, &Settings::default());
+    let coord = built_up(&w, DVec2::ZERO);
+    let cancelled = Cancel::new();
+    cancelled.cancel();
+    assert!(w.chunk(coord, &cancelled).is_err());
+    assert!(w.chunk(coord, &Cancel::new()).is_ok());
+}
+
+#[test]
+fn the_audit_sees_what_is_wrong() {
+    let w = world(901, &Settings::default());
+    let city =
+        w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 80_000.0), SizeClass::City).unwrap()[0].clone();
+    let whole = w.area(Bounds::square(city.centre.plan(), 4000.0), &Cancel::new()).unwrap();
+    let mut broken = whole.clone();
+    broken.streets[7].it.street.line[0].x += 40.0;
+    let faults: Vec<Fault> = audit(&broken).iter().map(|f| f.what).collect();
+    assert!(faults.contains(&Fault::LooseEnd), "{faults:?}");
+    let mut cut = whole.clone();
+    cut.streets.retain(|s| s.it.street.class.is_road() || s.it.street.id.0 % 3 != 0);
+    assert!(audit(&cut).iter().any(|f| f.what == Fault::Disconnected));
+    let mut moved = whole;
+    for f in &mut moved.footprints {
+        f.it.polygon.iter_mut().for_each(|p| *p += DVec2::splat(15.0));
+    }
+    assert!(audit(&moved).iter().any(|f| f.what == Fault::BuildingOnStreet));
+}
