@@ -88,7 +88,8 @@ fn three_lines_put_a_player_on_a_street_with_ground_around() {
     // On foot for a kilometre: chunks come ahead and go behind.
     let start = ask(&mut app, move |s| s.chunk_at(at));
     for step in 0..50 {
-        app.world_mut().get_mut::<Transform>(player).expect("it is there").translation = at + Vec3::X * 25.0 * step as f32;
+        app.world_mut().get_mut::<Transform>(player).expect("it is there").translation =
+            at + Vec3::X * 25.0 * step as f32;
         app.update();
     }
     settle(&mut app);
@@ -209,7 +210,10 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
         let chunk = |world: &Sprawled| world.chunk(*coord, &Cancel::new()).expect("it can be made");
         let same = chunk(&before).footprints == chunk(&after).footprints;
         assert!(same || remade.contains(coord), "{coord} was forgotten");
-        assert!(chunk(&after).settlements.iter().any(|s| s.style == style) || chunk(&after).footprints == chunk(&before).footprints);
+        assert!(
+            chunk(&after).settlements.iter().any(|s| s.style == style)
+                || chunk(&after).footprints == chunk(&before).footprints
+        );
     }
     assert!(!remade.is_empty());
 }

@@ -107,7 +107,8 @@ fn leave(
     }
     let args = &leave.0;
     let map = args.screenshots.join("map.svg");
-    let drawn = sprawl.world().map(|world| map::draw(world, &tour, args.seed).and_then(|svg| Ok(std::fs::write(&map, svg)?)));
+    let drawn =
+        sprawl.world().map(|world| map::draw(world, &tour, args.seed).and_then(|svg| Ok(std::fs::write(&map, svg)?)));
     let report = measures.report(&stats, &tour);
     let written = write_report(&args.report, &report);
     println!("{}", report.summary(&tour));
@@ -116,7 +117,8 @@ fn leave(
     for shot in &shots.taken {
         println!("  screenshot   {}", shot.display());
     }
-    let failed = [drawn.unwrap_or(Ok(())).err().map(|e| (map, e)), written.err().map(|e| (args.report.clone(), e.into()))];
+    let failed =
+        [drawn.unwrap_or(Ok(())).err().map(|e| (map, e)), written.err().map(|e| (args.report.clone(), e.into()))];
     let mut code = AppExit::Success;
     for (file, error) in failed.into_iter().flatten() {
         eprintln!("error: {}: {error}", file.display());

@@ -62,7 +62,10 @@ pub fn draw(world: &World, tour: &Tour, seed: u64) -> Result<String, Box<dyn Err
     writeln!(svg, "<path d=\"{way}\" fill=\"none\" stroke=\"#d12f2f\" stroke-width=\"3\" stroke-opacity=\"0.85\"/>")?;
     for (p, colour) in [(tour.way.first(), "#1c7c3c"), (tour.way.last(), "#d12f2f")] {
         let Some((x, y)) = p.map(|p| place(*p)) else { continue };
-        writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"7\" fill=\"{colour}\" stroke=\"#fff\" stroke-width=\"2\"/>")?;
+        writeln!(
+            svg,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"7\" fill=\"{colour}\" stroke=\"#fff\" stroke-width=\"2\"/>"
+        )?;
     }
     for town in &area.settlements {
         let (x, y) = place(town.centre.plan());

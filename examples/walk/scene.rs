@@ -29,11 +29,7 @@ pub fn camera() -> impl Bundle {
         Projection::from(PerspectiveProjection { near: 0.1, far: 6_000.0, fov: 1.0, ..default() }),
         Tonemapping::None,
         Exposure { ev100: 14.1 },
-        DistanceFog {
-            color: HAZE,
-            falloff: FogFalloff::Linear { start: SIGHT.0, end: SIGHT.1 },
-            ..default()
-        },
+        DistanceFog { color: HAZE, falloff: FogFalloff::Linear { start: SIGHT.0, end: SIGHT.1 }, ..default() },
     )
 }
 
@@ -75,7 +71,10 @@ pub fn light(
 }
 
 /// Keeps the sky around the camera.
-pub fn keep_sky(camera: Single<&Transform, (With<StreamAnchor>, Without<Sky>)>, mut sky: Query<&mut Transform, With<Sky>>) {
+pub fn keep_sky(
+    camera: Single<&Transform, (With<StreamAnchor>, Without<Sky>)>,
+    mut sky: Query<&mut Transform, With<Sky>>,
+) {
     for mut sky in &mut sky {
         sky.translation = camera.translation;
     }

@@ -15,7 +15,8 @@ use std::time::Instant;
 const SIZE: (u32, u32) = (1280, 720);
 
 /// When screenshots are taken, as shares of the walk, and what they are called.
-const MOMENTS: [(f64, &str); 5] = [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
+const MOMENTS: [(f64, &str); 5] =
+    [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
 
 /// What can draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -121,8 +121,7 @@ pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: Re
     *phase = Phase::Plan;
     let (Some(world), Some(town)) = (sprawl.world().cloned(), tour.town.clone()) else { return };
     let (from, length) = (place, tour.length);
-    tour.planning =
-        Some(AsyncComputeTaskPool::get().spawn(async move { way_through(&world, &town, from, length) }));
+    tour.planning = Some(AsyncComputeTaskPool::get().spawn(async move { way_through(&world, &town, from, length) }));
 }
 
 /// Takes the way once it has been found; the fall-back is a straight line through the middle of the town.

@@ -36,7 +36,7 @@ impl Relief {
         let over = |s: TerrainSample| s.water_level - s.height;
         let wet = |(i, s): (usize, &TerrainSample)| {
             let here = over(*s);
-            if parts == 1 || here > 0.0 || here < -DRY {
+            if parts == 1 || !(-DRY..=0.0).contains(&here) {
                 return here;
             }
             let part = |k: usize| (k as f64 + 0.5) / parts as f64 - 0.5;

@@ -258,7 +258,7 @@ impl Sheet {
                 };
             let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
             let radius = settlement.radius * self.scale;
-            if settlement.size == SizeClass::Village && radius < 4.0 {
+            if settlement.size == SizeClass::Village && radius < 7.0 {
                 continue;
             }
             // In the middle of a town that holds it, above one that does not.

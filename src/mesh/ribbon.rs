@@ -99,7 +99,7 @@ fn side(surface: &mut Surface<'_>, out: &mut MeshBuffers, inner: [DVec2; 2], out
 pub(super) fn corner(surface: &mut Surface<'_>, out: &mut MeshBuffers, inner: &[DVec2], outer: &[DVec2], paved: bool) {
     if !paved {
         for w in inner.windows(2) {
-            surface.wall(out, w[1], w[0], [FOOT, LIFT], VERGE);
+            surface.wall(out, w[0], w[1], [FOOT, LIFT], VERGE);
         }
         return;
     }
@@ -114,11 +114,12 @@ pub(super) fn corner(surface: &mut Surface<'_>, out: &mut MeshBuffers, inner: &[
         surface.lay_triangle(out, [inner[i], outer[j], third], LIFT + KERB, PAVEMENT);
         if step_inner { i += 1 } else { j += 1 }
     }
+    // The junction lies to the left: kerbs face it, the outer sides face away.
     for w in inner.windows(2) {
-        surface.wall(out, w[0], w[1], [LIFT, LIFT + KERB], KERBSTONE);
+        surface.wall(out, w[1], w[0], [LIFT, LIFT + KERB], KERBSTONE);
     }
     for w in outer.windows(2) {
-        surface.wall(out, w[1], w[0], [FOOT, LIFT + KERB], KERBSTONE);
+        surface.wall(out, w[0], w[1], [FOOT, LIFT + KERB], KERBSTONE);
     }
 }
 

@@ -242,3 +242,31 @@ fn bridges_span_and_long_roads_leave_the_square() {
     cancel.cancel();
     assert!(build(&chunk, &Hills, Detail::Full, &cancel).is_err());
 }
+
+#[test]
+fn kerbs_face_the_carriageway_and_outer_sides_face_away() {
+    let chunk = town(31, 90.0, &ParcelRules::default());
+    let roads = meshes(&chunk, Detail::Full).roads;
+    let streets: Vec<&Street> = chunk.streets.iter().map(|s| &s.street).collect();
+    // How far a point of the plan is outside the street that covers it best.
+    let outside = |p: DVec2, width: fn(&Street) -> f64| {
+        streets.iter().map(|s| distance_to_line(p, &s.line) - width(s)).fold(f64::INFINITY, f64::min)
+    };
+    let (mut walls, mut wrong) = (0, 0);
+    for (t, index) in corners(&roads).zip(roads.indices.chunks(3)) {
+        let normal = Vec3::from(roads.normals[index[0] as usize]);
+        if normal.y.abs() > 0.1 {
+            continue;
+        }
+        let middle = (t[0] + t[1] + t[2]) / 3.0;
+        let plan = |v: Vec3| DVec2::new(f64::from(v.x), f64::from(-v.z));
+        let (here, ahead) = (plan(middle), plan(middle + normal * 0.3));
+        let lift = |v: &Vec3| f64::from(v.y) - Ground::height_at(&Hills, chunk.origin.to_plan(plan(*v)));
+        let kerb = t.iter().map(lift).fold(f64::INFINITY, f64::min) > 0.02;
+        let width = if kerb { |s: &Street| s.class.carriageway() / 2.0 } else { |s: &Street| s.class.half_width() };
+        let nearer = outside(ahead, width) < outside(here, width);
+        walls += 1;
+        wrong += usize::from(nearer != kerb);
+    }
+    assert!(walls > 1000 && wrong * 100 < walls, "{wrong} of {walls} walls face the wrong way");
+}

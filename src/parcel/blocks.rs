@@ -194,31 +194,29 @@ fn wedge(at: DVec2, from: DVec2, to: DVec2, half: f64, pieces: &mut Vec<Vec<DVec
 
 /// Starts at the corner that is first by x and y; without doubled points, spikes, and points on straight stretches.
 fn tidy(mut ring: Vec<DVec2>) -> Vec<DVec2> {
+    // An outermost point stays whatever happens, so points are judged between one that is kept and the next.
+    let first = (0..ring.len()).min_by(|&i, &j| ring[i].x.total_cmp(&ring[j].x).then(ring[i].y.total_cmp(&ring[j].y)));
+    ring.rotate_left(first.unwrap_or(0));
     let mut changed = true;
     while changed && ring.len() > 3 {
         changed = false;
-        let mut out: Vec<DVec2> = Vec::with_capacity(ring.len());
-        let mut bent = 0.0;
-        for (i, &p) in ring.iter().enumerate() {
-            let (before, after) = (out.last().copied().unwrap_or(ring[ring.len() - 1]), ring[(i + 1) % ring.len()]);
+        let mut out = vec![ring[0]];
+        let mut dropped: Vec<DVec2> = Vec::new();
+        for (i, &p) in ring.iter().enumerate().skip(1) {
+            let (before, after) = (out[out.len() - 1], ring[(i + 1) % ring.len()]);
             let base = after - before;
-            let off = cross(base, p - before).abs() / base.length().max(QUANTUM);
-            let spike = (p - before).dot(after - p) < 0.0 && off < 0.02;
-            // Deviations of points dropped in a row add up.
-            if spike || p.distance_squared(before) < 1e-6 || bent + off < STRAIGHT {
-                bent += off;
+            let off = |q: &DVec2| cross(base, *q - before).abs() / base.length().max(QUANTUM);
+            let spike = (p - before).dot(after - p) < 0.0 && off(&p) < 0.02;
+            let straight = off(&p) < STRAIGHT && dropped.iter().all(|q| off(q) < STRAIGHT);
+            if spike || p.distance_squared(before) < 1e-6 || straight {
+                dropped.push(p);
                 changed = true;
                 continue;
             }
-            bent = 0.0;
+            dropped.clear();
             out.push(p);
         }
         ring = out;
-    }
-    if let Some(first) =
-        (0..ring.len()).min_by(|&i, &j| ring[i].x.total_cmp(&ring[j].x).then(ring[i].y.total_cmp(&ring[j].y)))
-    {
-        ring.rotate_left(first);
     }
     ring
 }
@@ -259,4 +257,27 @@ fn street_along(a: DVec2, b: DVec2, streets: &[&Street], near: &[Bounds]) -> Opt
         }
     }
     best.map(|(_, i)| i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{JunctionId, StreetClass, StreetId};
+
+    #[test]
+    fn a_slight_bend_at_a_junction_stays_a_bend() {
+        let at = [DVec2::new(-42.0, -49.25), DVec2::ZERO, DVec2::new(33.25, 40.25)];
+        let street = |i: usize| {
+            let (from, to) = (JunctionId(i as u64), JunctionId(i as u64 + 1));
+            Street::new(StreetId(i as u64), StreetClass::Arterial, from, to, vec![at[i], at[i + 1]])
+        };
+        let (a, b) = (street(0), street(1));
+        let border = [at[0], DVec2::new(58.0, -49.25), DVec2::new(58.0, 40.25), at[2], at[1]];
+        let found = blocks(&border, &[&a, &b]);
+        assert_eq!(found.len(), 1);
+        let polygon = &found[0].polygon;
+        let edges = (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]));
+        let nearest = edges.map(|(p, q)| crate::space::distance_to_segment(DVec2::ZERO, p, q)).fold(99.0, f64::min);
+        assert!(nearest >= StreetClass::Arterial.half_width(), "{nearest}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The patches that a style may use, indexed for the searches.
 
-use crate::patch::{MainLine, Patch, PatchSet, Pattern};
+use crate::patch::{MainLine, Patch, PatchSet, PatchShape, Pattern};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub struct PatchFacts {
     pub dead_ends: Vec<usize>,
     /// The main street that it can be attached to ([`Patch::main_line`]).
     pub main: Option<MainLine>,
+    /// Its geometry, taken apart.
+    pub shape: PatchShape,
 }
 
 impl PatchFacts {
@@ -47,7 +49,7 @@ impl PatchFacts {
         let ends = |v: &usize| patch.degree(*v) == 1 && !patch.is_connectable(*v);
         let local = |v: &usize| patch.edges_at(*v).all(|e| !patch.edges[e].main);
         let dead_ends = (0..patch.vertices.len()).filter(ends).filter(local).collect();
-        Self { streets: patch.streets(), dead_ends, main: patch.main_line() }
+        Self { streets: patch.streets(), dead_ends, main: patch.main_line(), shape: PatchShape::of(patch) }
     }
 }
 

@@ -55,6 +55,7 @@ mod file;
 mod library;
 mod semantics;
 mod set;
+mod shape;
 #[cfg(feature = "cli")]
 mod sheet;
 pub mod tag;
@@ -62,5 +63,6 @@ pub mod tag;
 pub use database::{PairEntry, PatchDatabase, PatchFacts, PatternEntry};
 pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
+pub use shape::{LEAST_ARM, PatchShape, STREET_FLOOR, STRETCH};
 #[cfg(feature = "cli")]
 pub use sheet::draw_sheet;

@@ -80,8 +80,7 @@ pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
 }
 
 fn to_mesh(buffers: MeshBuffers, keep: bool) -> Mesh {
-    let usage =
-        if keep { RenderAssetUsages::default() } else { RenderAssetUsages::RENDER_WORLD };
+    let usage = if keep { RenderAssetUsages::default() } else { RenderAssetUsages::RENDER_WORLD };
     Mesh::new(PrimitiveTopology::TriangleList, usage)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, buffers.positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, buffers.normals)

@@ -89,10 +89,7 @@ impl Plugin for OriginPlugin {
         app.init_resource::<OriginSettings>()
             .add_message::<OriginShifted>()
             .register_type::<(OriginSettings, ShiftsWithOrigin)>()
-            .add_systems(
-                PostUpdate,
-                shift_origin.in_set(SprawlSystems::Anchors).after(super::anchor::read_anchors),
-            );
+            .add_systems(PostUpdate, shift_origin.in_set(SprawlSystems::Anchors).after(super::anchor::read_anchors));
     }
 }
 

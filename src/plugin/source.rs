@@ -178,7 +178,9 @@ fn difference(old: &World, new: &SprawlSource) -> Difference {
     }
     let sets = differing(&before.patch_sets, &after.patch_sets);
     let mut styles = differing(&before.styles, &after.styles);
-    styles.extend(after.styles.iter().filter(|(_, s)| s.patch_sets.iter().any(|p| sets.contains(p))).map(|(n, _)| n.clone()));
+    styles.extend(
+        after.styles.iter().filter(|(_, s)| s.patch_sets.iter().any(|p| sets.contains(p))).map(|(n, _)| n.clone()),
+    );
     if styles.is_empty() && sets.is_empty() { Difference::None } else { Difference::Styles(styles) }
 }
 

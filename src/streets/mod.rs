@@ -67,7 +67,8 @@ pub struct CellStreets {
 /// Fills a main cell with local streets: a pure function of the brief.
 ///
 /// Streets stay inside the border; no two cross or touch without a junction; every street is connected to a port; every
-/// port is met; streets that do not meet keep the style's clearance (reduced to 12 m at least by snapping).
+/// port is met; streets that do not meet keep the style's clearance where they can, and 14 m in any case, 12 m at dead
+/// ends. The first metres of a port's street are as near to the border as its stub.
 pub trait CellFiller: Send + Sync {
     /// Fills one cell.
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError>;

@@ -64,7 +64,12 @@ impl AssetLoader for PatchSetLoader {
     type Settings = ();
     type Error = FileError;
 
-    async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<PatchSet, FileError> {
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _: &(),
+        context: &mut LoadContext<'_>,
+    ) -> Result<PatchSet, FileError> {
         let (file, text) = read(reader, context).await?;
         PatchSet::from_ron(&file, &text)
     }

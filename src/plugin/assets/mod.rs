@@ -21,7 +21,9 @@ impl Plugin for AssetsPlugin {
         app.add_message::<AssetRejected>();
         if !app.world().contains_resource::<AssetServer>() {
             if self.folder.is_some() {
-                error!("SprawlPlugin loads assets from a folder, so it must be added after AssetPlugin; the bundled are used");
+                error!(
+                    "SprawlPlugin loads assets from a folder, so it must be added after AssetPlugin; the bundled are used"
+                );
                 app.world_mut().resource_mut::<super::source::Making>().hold = false;
             }
             return;

@@ -148,10 +148,7 @@ impl Plugin for StreamingPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Streaming>()
             .register_type::<StreamSettings>()
-            .add_systems(
-                PostUpdate,
-                (plan::plan_chunks, tasks::run_tasks).chain().in_set(SprawlSystems::Stream),
-            )
+            .add_systems(PostUpdate, (plan::plan_chunks, tasks::run_tasks).chain().in_set(SprawlSystems::Stream))
             .add_systems(PostUpdate, apply::apply_chunks.in_set(SprawlSystems::Apply));
     }
 }

@@ -156,10 +156,14 @@ mod tests {
     fn chunks_are_kept_longer_than_they_are_asked_for() {
         let fresh = wanted(&[anchor(100.0, 100.0)], 512, |_| None);
         assert!(fresh.contains_key(&ChunkCoord::new(-2, 0)) && !fresh.contains_key(&ChunkCoord::new(-3, 0)));
-        let moved = |held: bool| wanted(&[anchor(800.0, 100.0)], 512, |c| (held && fresh.contains_key(&c)).then_some(Detail::Reduced));
+        let moved = |held: bool| {
+            wanted(&[anchor(800.0, 100.0)], 512, |c| (held && fresh.contains_key(&c)).then_some(Detail::Reduced))
+        };
         assert!(!moved(false).contains_key(&ChunkCoord::new(-2, 0)));
         assert!(moved(true).contains_key(&ChunkCoord::new(-2, 0)));
-        assert!(!wanted(&[anchor(1200.0, 100.0)], 512, |_| Some(Detail::Reduced)).contains_key(&ChunkCoord::new(-2, 0)));
+        assert!(
+            !wanted(&[anchor(1200.0, 100.0)], 512, |_| Some(Detail::Reduced)).contains_key(&ChunkCoord::new(-2, 0))
+        );
     }
 
     #[test]

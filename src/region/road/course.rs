@@ -2,10 +2,10 @@
 //! is cheaper.
 
 use super::lattice::{STENCIL, Samples, cost_per_metre, heading, kernel, node_at};
-use super::pairs::{beeline, hopeless, kept, pair, tier_of};
+use super::pairs::{Pair, beeline, hopeless, kept, pair, tier_of};
 use super::search::{Task, Window, search};
 use super::site::{SITE_STEPS, gate_in_plan};
-use super::{Work, class_of};
+use super::{TierSettings, Work, class_of};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{StreetClass, StreetId};
 use crate::region::{Settlement, SettlementId, SizeClass};
@@ -15,6 +15,11 @@ use std::sync::Arc;
 
 /// Distance in metres from an existing road within which new ones are kept off.
 const BESIDE: f64 = 420.0;
+/// Length in metres of the stretches in which a course looks for what lies along it.
+const STRETCH: f64 = 3_000.0;
+/// Extra cost per metre, a kilometre off the way found on the wide lattice: of ways that cost the same it takes the one
+/// that heads for its aim all along.
+const OFF_SPINE: f64 = 0.12;
 
 /// One end of a course.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +50,7 @@ pub(super) struct Course {
 /// A course, if the land lets one through.
 pub(super) struct Found(pub Option<Arc<Course>>);
 
-/// Courses whose box overlaps a tile.
+/// Courses that pass through a tile.
 pub(super) struct Listed(pub Vec<Arc<Course>>);
 
 impl Weigh for Found {
@@ -62,6 +67,11 @@ impl Weigh for Listed {
 }
 
 impl Course {
+    /// Whether any segment's box overlaps `bounds` (plan metres).
+    fn passes(&self, bounds: Bounds, step: i64) -> bool {
+        self.bounds.overlaps(bounds) && segments(&self.line(step)).any(|(a, b)| Bounds::of([a, b]).overlaps(bounds))
+    }
+
     /// The whole way in plan metres, gates included.
     pub fn line(&self, step: i64) -> Vec<DVec2> {
         let mut out = vec![self.ends[0].centre.to_plan(self.ends[0].gate)];
@@ -71,23 +81,17 @@ impl Course {
     }
 }
 
-/// Edge of the tiles by which courses of a class are listed, in metres.
-fn tile_size(tier: SizeClass) -> f64 {
-    match tier {
-        SizeClass::Village => 4_096.0,
-        SizeClass::Town => 8_192.0,
-        SizeClass::City => 16_384.0,
-    }
-}
+/// Edge of the tiles by which courses are listed, in metres.
+const LISTED_BY: f64 = 4_096.0;
 
-/// Courses of one class whose box overlaps `bounds` (plan metres), sorted by id.
+/// Courses of one class that pass through `bounds` (plan metres), sorted by id.
 pub(super) fn courses(
     work: &Work,
     tier: SizeClass,
     bounds: Bounds,
     cancel: &Cancel,
 ) -> Result<Vec<Arc<Course>>, LayerError> {
-    let size = tile_size(tier);
+    let size = LISTED_BY;
     let (min, max) = ((bounds.min / size).floor().as_i64vec2(), (bounds.max / size).floor().as_i64vec2());
     let mut out: Vec<Arc<Course>> = Vec::new();
     for y in min.y..=max.y {
@@ -96,7 +100,7 @@ pub(super) fn courses(
                 let corner = DVec2::new(x as f64, y as f64) * size;
                 list(work, tier, Bounds::new(corner, corner + size), cancel).map(Listed)
             })?;
-            out.extend(listed.0.iter().filter(|c| c.bounds.overlaps(bounds)).cloned());
+            out.extend(listed.0.iter().filter(|c| c.passes(bounds, work.settings.step)).cloned());
         }
     }
     out.sort_by_key(|c| c.id);
@@ -127,10 +131,10 @@ fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<V
                 continue;
             }
             let wide = pair(work, tier, a, b, cancel)?;
-            let around = Bounds::of(wide.nodes.iter().map(|n| node_at(*n, step * t.wide_step)));
-            let around = around.union(Bounds::of([a.centre.plan(), b.centre.plan()])).grown(t.corridor);
-            if wide.cost.is_finite() && around.overlaps(tile) && kept(work, a, b, &all, cancel)? {
-                out.extend(course(work, a, b, cancel)?.filter(|c| c.bounds.overlaps(tile)));
+            let room = tile.grown(t.corridor + 2.0 * step as f64);
+            let passes = segments(&spine(work, t, a, b, &wide)).any(|(p, q)| Bounds::of([p, q]).overlaps(room));
+            if wide.cost.is_finite() && passes && kept(work, a, b, &all, cancel)? {
+                out.extend(course(work, a, b, cancel)?.filter(|c| c.passes(tile, step)));
             }
         }
     }
@@ -172,15 +176,27 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     let t = work.settings.tier(tier);
     let step = work.settings.step;
     let wide = pair(work, tier, a, b, cancel)?;
-    let mut spine = vec![a.centre.plan()];
-    spine.extend(wide.nodes.iter().map(|n| node_at(*n, step * t.wide_step)));
-    spine.push(b.centre.plan());
+    let spine = spine(work, t, a, b, &wide);
     let bounds = Bounds::of(spine.iter().copied()).grown(t.corridor);
     let window = Window::around(bounds, step);
 
-    let open = corridor(&spine, &window, step, t.corridor);
+    let off = corridor(&spine, &window, step, t.corridor);
+    let (mut sites, mut roads) = (Vec::new(), Vec::new());
+    for stretch in stretches(&spine) {
+        let room = stretch.grown(t.corridor);
+        sites.extend(work.places.overlapping(room.grown(SITE_STEPS * step as f64))?);
+        for above in [SizeClass::City, SizeClass::Town] {
+            if above > tier {
+                roads.extend(courses(work, above, room, cancel)?);
+            }
+        }
+    }
+    sites.sort_by_key(|s| s.id);
+    sites.dedup_by_key(|s| s.id);
+    roads.sort_by_key(|c| c.id);
+    roads.dedup_by_key(|c| c.id);
     let mut closed = vec![0u16; window.len()];
-    for s in work.places.overlapping(bounds.grown(SITE_STEPS * step as f64))? {
+    for s in sites {
         let site = work.site(&s)?;
         for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
             let node = site.window.node(i);
@@ -191,12 +207,8 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     }
     let mut existing = vec![0u16; window.len()];
     let mut beside = vec![0f32; window.len()];
-    for above in [SizeClass::City, SizeClass::Town] {
-        if above > tier {
-            for road in courses(work, above, bounds, cancel)? {
-                lay(&road.nodes, &window, step, &mut existing, &mut beside);
-            }
-        }
+    for road in &roads {
+        lay(&road.nodes, &window, step, &mut existing, &mut beside);
     }
 
     let (site_a, site_b) = (work.site(a)?, work.site(b)?);
@@ -216,15 +228,17 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     let found = search(&task, cancel, |node, index, heading, length| {
         let next = node + STENCIL[heading];
         let next_index = window.index(next);
-        if !open[next_index] || closed[index] >> heading & 1 == 1 {
+        if off[next_index] > t.corridor as f32 || closed[index] >> heading & 1 == 1 {
             return Ok(None);
         }
         if existing[index] >> heading & 1 == 1 {
             return Ok(Some((length, 0.0)));
         }
         let ground = cost_per_metre(samples.at(node)?, samples.at(next)?, length, t);
-        let off = t.building + t.beside * f64::from(beside[index] + beside[next_index]) / 2.0;
-        Ok(ground.map(|(cost, wet)| (length * (cost + off), wet)))
+        let control = t.building
+            + t.beside * f64::from(beside[index] + beside[next_index]) / 2.0
+            + OFF_SPINE * f64::from(off[next_index]) / 1000.0;
+        Ok(ground.map(|(cost, wet)| (length * (cost + control), wet)))
     })?;
     let Some(found) = found else { return Ok(None) };
     let (tie_a, tie_b) = (&site_a.ties[found.from], &site_b.ties[found.to]);
@@ -245,19 +259,56 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     }))
 }
 
-/// Nodes within `width` of the spine.
-fn corridor(spine: &[DVec2], window: &Window, step: i64, width: f64) -> Vec<bool> {
-    let mut open = vec![false; window.len()];
+/// The way found on the wide lattice, its bends evened out.
+fn spine(work: &Work, t: &TierSettings, a: &Settlement, b: &Settlement, wide: &Pair) -> Vec<DVec2> {
+    let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
+    let step = work.settings.step * t.wide_step;
+    let mut out = vec![a.centre.plan()];
+    // The first and the last node are the centres themselves, rounded.
+    let inner = wide.nodes.len().saturating_sub(1).max(1);
+    out.extend(wide.nodes[1.min(wide.nodes.len())..inner.min(wide.nodes.len())].iter().map(|n| node_at(*n, step)));
+    out.push(b.centre.plan());
+    for _ in 0..6 {
+        let before = out.clone();
+        for (p, w) in out[1..].iter_mut().zip(before.windows(3)) {
+            *p = (w[0] + w[1] * 2.0 + w[2]) / 4.0;
+        }
+    }
+    out
+}
+
+/// Boxes around the stretches of a line.
+fn stretches(line: &[DVec2]) -> Vec<Bounds> {
+    let mut out = Vec::new();
+    let mut held = Bounds::EMPTY;
+    for (a, b) in segments(line) {
+        held = held.union(Bounds::of([a, b]));
+        if held.size().max_element() > STRETCH {
+            out.push(held);
+            held = Bounds::EMPTY;
+        }
+    }
+    out.push(held.union(Bounds::of(line.last().copied())));
+    out
+}
+
+/// Distance of each node from the spine, infinite beyond `width`.
+fn corridor(spine: &[DVec2], window: &Window, step: i64, width: f64) -> Vec<f32> {
+    let mut off = vec![f32::INFINITY; window.len()];
     for (a, b) in segments(spine) {
         let part = Window::around(Bounds::of([a, b]).grown(width), step);
         for i in 0..part.len() {
             let node = part.node(i);
-            if window.contains(node) && !open[window.index(node)] {
-                open[window.index(node)] = crate::space::distance_to_segment(node_at(node, step), a, b) <= width;
+            if window.contains(node) {
+                let distance = crate::space::distance_to_segment(node_at(node, step), a, b);
+                if distance <= width {
+                    let held = &mut off[window.index(node)];
+                    *held = held.min(distance as f32);
+                }
             }
         }
     }
-    open
+    off
 }
 
 /// Marks the edges of an existing road, and how close the nodes around it are.

@@ -5,22 +5,23 @@
 //!
 //! Each step is a pure function of what it is about, remembered in a bounded cache, and reads only what lies near:
 //!
-//! 1. [`pairs`]: the cheapest way of a pair of settlements on a wide lattice, within the ellipse that the greatest detour
+//! 1. `pairs`: the cheapest way of a pair of settlements on a wide lattice, within the ellipse that the greatest detour
 //!    allows; from these costs the proximity rule. A pair is decided by settlements within reach of both its ends.
-//! 2. [`site`]: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
+//! 2. `site`: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
 //!    around its outline.
-//! 3. [`course`]: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
+//! 3. `course`: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
 //!    read those of higher classes in their window, never of their own, so no order among equals matters.
-//! 4. [`graph`]: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
-//! 5. [`shape`]: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 12 steps
+//! 4. `graph`: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
+//! 5. `shape`: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 16 steps
 //!    around.
-//! 6. [`piece`]: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
+//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
 //!
 //! # Padding
 //!
-//! Every point of a course has one of its settlements within [`TierSettings::padding`]: its way is at most `detour`
+//! Every point of a course has one of its settlements within `TierSettings::padding`: its way is at most `detour`
 //! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
-//! by that padding, and decided by settlements a `reach` further. `Reach` enforces both wherever settlements are read.
+//! by that padding, and decided by settlements a `reach` further; a window of the ground that a search reads lies within the
+//! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read.
 //!
 //! # What holds
 //!

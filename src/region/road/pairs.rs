@@ -12,6 +12,8 @@ use std::sync::Arc;
 /// Pairs that a third settlement would rule out by beelines even if their road were this much shorter than the beeline
 /// are not tried at all. Where a detour makes a road dearer than its beeline, that alone could never save them.
 const HOPELESS: f64 = 0.87;
+/// Extra cost per metre, a kilometre off the beeline: of ways that cost the same, the straightest is taken.
+const OFF_BEELINE: f64 = 0.01;
 /// Greatest distance at which a settlement repels roads that do not serve it, in metres.
 const MOST_REPEL: f64 = 4_000.0;
 
@@ -64,11 +66,13 @@ pub(super) fn pair(
         cancel.check()?;
         let t = work.settings.tier(tier);
         let step = work.settings.step * t.wide_step;
+        let length = beeline(a, b);
         let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
         let line = stencil_distance(to - from) * step as f64;
         if from == to {
-            return Ok(Pair { cost: beeline(a, b), nodes: vec![from] });
+            return Ok(Pair { cost: length, nodes: vec![from] });
         }
+        let across = (to - from).as_dvec2().length();
         let limit = t.detour * line;
         let bounds = ellipse_bounds(node_at(from, step), node_at(to, step), limit);
         let window = Window::around(bounds, step);
@@ -84,23 +88,25 @@ pub(super) fn pair(
             bridge_limit: t.bridge_limit + step as f64,
             turn: 0.0,
         };
-        let found = search(&task, cancel, |node, index, heading, length| {
+        let found = search(&task, cancel, |node, index, heading, metres| {
             let next = node + super::lattice::STENCIL[heading];
-            let Some((cost, wet)) = cost_per_metre(samples.at(node)?, samples.at(next)?, length, t) else {
+            let Some((cost, wet)) = cost_per_metre(samples.at(node)?, samples.at(next)?, metres, t) else {
                 return Ok(None);
             };
-            let control = (repel[index] + repel[window.index(next)]) / 2.0;
-            Ok(Some((length * (cost + f64::from(control)), wet)))
+            let control = f64::from(repel[index] + repel[window.index(next)]) / 2.0;
+            let off = ((next - from).perp_dot(to - from) as f64 * step as f64 / across / 1000.0).abs();
+            Ok(Some((metres * (cost + control + OFF_BEELINE * off), wet)))
         })?;
         // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
         Ok(found.map_or(Pair { cost: f64::INFINITY, nodes: Vec::new() }, |f| Pair {
-            cost: f.cost * beeline(a, b) / line,
+            cost: f.cost * length / line,
             nodes: f.nodes,
         }))
     })
 }
 
-/// Control term h of the settlements that a road does not serve: kernels around them (Galin 2011, section 4.1).
+/// Control term h of the settlements of the road's class or above that it does not serve: kernels around them (Galin
+/// 2011, section 4.1). Smaller ones are passed on the fine lattice, where all outlines are closed.
 fn repulsion(
     work: &Work,
     t: &TierSettings,
@@ -111,7 +117,7 @@ fn repulsion(
 ) -> Result<Vec<f32>, LayerError> {
     let mut out = vec![0f32; window.len()];
     let bounds = Bounds::new(node_at(window.min, step), node_at(window.min + window.size - 1, step));
-    for s in work.places.of_tier(bounds.grown(MOST_REPEL), tier.min(SizeClass::Town))? {
+    for s in work.places.of_tier(bounds.grown(MOST_REPEL), tier)? {
         if ends.iter().any(|e| e.id == s.id) {
             continue;
         }

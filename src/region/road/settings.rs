@@ -62,7 +62,7 @@ impl Default for TierSettings {
             gamma: 2.2,
             detour: 1.7,
             wide_step: 2,
-            corridor: 800.0,
+            corridor: 700.0,
             slope: 2.5,
             slope_limit: 0.14,
             water: 6.0,
@@ -72,7 +72,7 @@ impl Default for TierSettings {
             settlement: 4.0,
             building: 0.5,
             beside: 1.0,
-            turn: 8.0,
+            turn: 4.0,
         }
     }
 }
@@ -84,15 +84,15 @@ impl Default for RoadSettings {
             reach: 11_500.0,
             gamma: 2.4,
             detour: 1.6,
-            corridor: 1_000.0,
+            corridor: 900.0,
             slope: 3.0,
             slope_limit: 0.11,
             bridge_limit: 450.0,
-            turn: 14.0,
+            turn: 5.0,
             ..minor.clone()
         };
         let highway = TierSettings {
-            reach: 27_000.0,
+            reach: 26_000.0,
             gamma: 2.4,
             detour: 1.5,
             wide_step: 4,
@@ -101,7 +101,7 @@ impl Default for RoadSettings {
             slope_limit: 0.08,
             depth_limit: 15.0,
             bridge_limit: 700.0,
-            turn: 24.0,
+            turn: 6.0,
             ..minor.clone()
         };
         Self { step: 128, highway, major, minor }

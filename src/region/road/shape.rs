@@ -1,6 +1,6 @@
 //! Rounding off the courses' corners, so that nothing that was apart meets.
 //!
-//! Vertices with two ways are moved by two rounds of binomial smoothing and their corners rounded by a parabola. How far
+//! Vertices with two ways are moved by up to three rounds of binomial smoothing and their corners rounded by a parabola. How far
 //! the line may stray from the lattice's at each is known beforehand; where two lines, or a line and an outline, are not
 //! further apart than both may stray, neither is touched. That decision needs only what lies within a few steps, and no
 //! order.
@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 /// Distance in metres that lines keep from each other after smoothing.
 const APART: f64 = 6.0;
-/// How far around its tile shapes depend on the graph, in steps: a vertex's neighbourhood of two edges each way, that of
+/// How far around its tile shapes depend on the graph, in steps: a vertex's neighbourhood of three edges each way, that of
 /// the lines it might meet, and outlines beside them.
-const PADDING_STEPS: f64 = 10.0;
+const PADDING_STEPS: f64 = 14.0;
 
 /// Where a vertex with two ways went.
 #[derive(Clone, Copy, Debug)]
@@ -79,8 +79,18 @@ impl Around<'_> {
         if angle_between(-pa, pb) > 1.4 {
             return Some(Bend { stray: 0.0, ..still });
         }
-        let by = match (self.beyond(key, a.to), self.beyond(key, b.to)) {
-            (Some((_, a2)), Some((_, b2))) => ((a2.from(&v.place) + b2.from(&v.place)) + (pa + pb) * 4.0) / 16.0,
+        // Rows of Pascal's triangle, as many as the line is long on both sides.
+        let second = (self.beyond(key, a.to), self.beyond(key, b.to));
+        let by = match second {
+            (Some((ka, a2)), Some((kb, b2))) => {
+                let pairs = (a2.from(&v.place) + b2.from(&v.place), pa + pb);
+                match (self.beyond(a.to, ka), self.beyond(b.to, kb)) {
+                    (Some((_, a3)), Some((_, b3))) => {
+                        ((a3.from(&v.place) + b3.from(&v.place)) + pairs.0 * 6.0 + pairs.1 * 15.0) / 64.0
+                    }
+                    _ => (pairs.0 + pairs.1 * 4.0) / 16.0,
+                }
+            }
             _ => (pa + pb) / 4.0,
         };
         Some(Bend { by, ..still })

@@ -210,12 +210,11 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                 let node_near = distance_to_segment(p, *a, b) < 0.5 * step as f64;
                 for (heading, s) in STENCIL.iter().enumerate() {
                     let q = local(node + *s);
-                    if node_near {
-                        close(node, heading);
-                    } else if heading < 8
-                        && Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
-                        && segment_distance(p, q, *a, b) < margin
-                    {
+                    let passes = || {
+                        Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
+                            && segment_distance(p, q, *a, b) < margin
+                    };
+                    if node_near || (heading < 8 && passes()) {
                         close(node, heading);
                     }
                 }
@@ -236,10 +235,12 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                 for (heading, s) in STENCIL.iter().enumerate().take(8) {
                     let ends_there = node == tie.node || node + *s == tie.node;
                     let (p, q) = (local(node), local(node + *s));
-                    // Near a tie there is no way along it either.
-                    if !ends_there && segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE {
-                        close(node, heading);
-                    } else if ends_there && leads_back(tie, end, if node == tie.node { q } else { p }) {
+                    let meets = if ends_there {
+                        leads_back(tie, end, if node == tie.node { q } else { p })
+                    } else {
+                        segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE
+                    };
+                    if meets {
                         close(node, heading);
                     }
                 }

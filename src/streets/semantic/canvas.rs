@@ -1,6 +1,7 @@
 //! What a cell is drawn on: the growing graph of local streets, the walls around it, and what is near a place.
 
 use super::free::FreeGrid;
+use super::proposal::{Join, Proposal};
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::space::{Bounds, closest_on_segment, quantize, segment_crossing};
 use crate::streets::{CellBrief, MadeBy};
@@ -217,6 +218,24 @@ impl Canvas {
             self.graph.remove_edge(e);
         }
         Some(end)
+    }
+
+    /// Builds a proposal that was checked; the vertices of its points.
+    pub fn build(&mut self, p: &Proposal, made_by: MadeBy, vertices: &mut Vec<VertexIx>) {
+        vertices.clear();
+        for (at, join) in p.points.iter().zip(&p.joins) {
+            let v = match *join {
+                Join::At(v) => Some(v),
+                Join::On(e) => self.split_edge(e, *at),
+                Join::Free(_) => None,
+            };
+            let open = !matches!(join, Join::Free(false));
+            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { port: None, open, target: 0 }));
+            vertices.push(v);
+        }
+        for (a, b) in &p.edges {
+            self.add_edge(vertices[*a], vertices[*b], made_by);
+        }
     }
 
     /// Direction from `v` along its only or first edge, reversed: the way straight on.

@@ -11,7 +11,6 @@ mod proposal;
 mod repair;
 #[cfg(test)]
 mod sample;
-mod shape;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -23,9 +22,7 @@ use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
 use canvas::{Canvas, Near};
 use glam::DVec2;
-use patches::PatchUse;
 use proposal::{Checker, Join, Limits, Proposal};
-use shape::Shape;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -62,12 +59,10 @@ struct Work<'a> {
     crossings: f64,
     /// How much the field draws streets: 0 not at all, 1 wholly.
     field_pull: f64,
-    /// The geometry of each patch.
-    shapes: Vec<Shape>,
     /// Dead-end streets shorter than this that do not start at a port are removed.
     stump: f64,
-    /// How often each patch was used, and whether it keeps the rules inside itself.
-    used: Vec<PatchUse>,
+    /// How often each patch was used.
+    used: Vec<u32>,
     near: Near,
     proposal: Proposal,
     built: Vec<VertexIx>,
@@ -118,8 +113,7 @@ impl<'a> Work<'a> {
             crossings,
             field_pull,
             stump: stump * local.length,
-            shapes: brief.patches.patches.iter().map(|p| Shape::new(p)).collect(),
-            used: vec![PatchUse::default(); brief.patches.patches.len()],
+            used: vec![0; brief.patches.patches.len()],
             near: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),
@@ -132,7 +126,7 @@ impl<'a> Work<'a> {
         let mut steps = 0usize;
         while let Some(v) = self.queue.pop_front() {
             steps += 1;
-            if steps % 16 == 0 {
+            if steps.is_multiple_of(16) {
                 cancel.check()?;
             }
             let degree = self.canvas.graph.degree(v);

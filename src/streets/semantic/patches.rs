@@ -4,9 +4,8 @@ use super::Work;
 use super::canvas::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
-use super::shape::{STRETCH, is_sound};
 use crate::network::VertexIx;
-use crate::patch::Connectable;
+use crate::patch::{Connectable, STRETCH};
 use crate::space::math::rotate;
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -21,34 +20,22 @@ const LEAST_CORE: f64 = 0.3;
 const CHECKED: usize = 24;
 const RATED: usize = 4;
 
-/// What is known of a patch in this cell.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PatchUse {
-    count: u32,
-    sound: Option<bool>,
-}
-
 impl Work<'_> {
-    /// Weight of a patch in choices: 0 once it was used as often as it may be, less with every use.
+    /// Weight of a patch in choices: less with every use, 0 once it was used as often as it may be or if it breaks the
+    /// rules inside itself.
     pub(super) fn weight(&self, patch: usize) -> f64 {
         let p = &self.brief.patches.patches[patch];
-        let count = self.used[patch].count;
-        if p.at_most.is_some_and(|most| count >= most) { 0.0 } else { p.weight / (1.0 + 0.5 * f64::from(count)) }
-    }
-
-    /// Whether the patch keeps the rules inside itself, even at its smallest.
-    pub(super) fn is_sound(&mut self, patch: usize) -> bool {
-        if let Some(sound) = self.used[patch].sound {
-            return sound;
+        let count = self.used[patch];
+        if p.at_most.is_some_and(|most| count >= most) || !self.brief.patches.facts(patch).shape.sound {
+            0.0
+        } else {
+            p.weight / (1.0 + 0.5 * f64::from(count))
         }
-        let sound = is_sound(&self.brief.patches.patches[patch]);
-        self.used[patch].sound = Some(sound);
-        sound
     }
 
     /// Counts the patch that was just built and makes its connectable ends candidates.
     pub(super) fn after_patch(&mut self, patch: usize) {
-        self.used[patch].count += 1;
+        self.used[patch] += 1;
         for (i, v) in self.built.iter().enumerate() {
             if self.proposal.joins[i] == Join::Free(true) {
                 self.canvas.nodes[*v as usize].target = 2;
@@ -130,8 +117,7 @@ impl Work<'_> {
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, placement, end, w) in found.into_iter().take(CHECKED) {
-            if self.is_sound(placement.patch)
-                && self.propose_patch(&placement, Join::At(v), Some((end, w)))
+            if self.propose_patch(&placement, Join::At(v), Some((end, w)))
                 && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32))
             {
                 self.after_patch(placement.patch);
@@ -244,8 +230,7 @@ impl Work<'_> {
         let mut best: Option<(f64, Proposal, usize)> = None;
         let mut rated = 0;
         for (key, placement) in found.into_iter().take(CHECKED) {
-            if !self.is_sound(placement.patch)
-                || !self.propose_patch(&placement, Join::At(v), None)
+            if !self.propose_patch(&placement, Join::At(v), None)
                 || !self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits)
             {
                 continue;

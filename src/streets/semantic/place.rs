@@ -3,9 +3,9 @@
 
 use super::Work;
 use super::canvas::{NONE, nearest};
-use super::proposal::{Join, Limits, Proposal, STREET_FLOOR};
-use super::shape::LEAST_END;
+use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
+use crate::patch::{LEAST_ARM, STREET_FLOOR};
 use crate::space::{cut_line, segment_crossing};
 use glam::DVec2;
 
@@ -53,7 +53,7 @@ impl Work<'_> {
         let blind = GRID_BLIND * GRID_BLIND;
         // A little less than the gap: near the vertices it joins the distance along the network decides.
         let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
-        self.shapes[placement.patch].samples.iter().all(|p| {
+        self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
             !self.canvas.free.surely_nearer(p, need)
                 || p.distance_squared(start) < blind
@@ -65,7 +65,7 @@ impl Work<'_> {
     /// `end` is the vertex of the patch that falls on a vertex of the graph, when there is one.
     pub(super) fn propose_patch(&mut self, placement: &Placement, start: Join, end: Option<(usize, VertexIx)>) -> bool {
         let patch = &self.brief.patches.patches[placement.patch];
-        let shape = &self.shapes[placement.patch];
+        let shape = &self.brief.patches.facts(placement.patch).shape;
         let mut p = std::mem::take(&mut self.proposal);
         p.clear();
         let mut slots = std::mem::take(&mut self.slots);
@@ -152,7 +152,7 @@ impl Work<'_> {
                 let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
                 let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
                 let cut = room.min(before + length);
-                return (cut >= LEAST_END).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
+                return (cut >= LEAST_ARM).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
             }
             // Rather a vertex than a new junction next to it.
             let vertex = [(s.va, s.a), (s.vb, s.b)]

@@ -2,15 +2,12 @@
 //! here against the same rules before it is built (the connect and clip checks of Teng 2017, section 3.3), so the rules
 //! hold for the finished cell.
 
-use super::canvas::{Canvas, NONE, Near, Node, Seg, nearest};
+use super::canvas::{Canvas, NONE, Near, Seg, nearest};
 use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
 use crate::seam::STUB_LENGTH;
 use crate::space::{math::angle_between, quantize, segment_crossing};
-use crate::streets::MadeBy;
 use glam::DVec2;
-
-/// Least distance between streets that share no junction.
-pub(super) const STREET_FLOOR: f64 = 14.5;
 
 /// Least distance of a dead end from any street that it does not join.
 const DEAD_END_FLOOR: f64 = 13.0;
@@ -200,12 +197,11 @@ impl Checker {
                 Join::On(e) => (NONE, e),
                 Join::Free(_) => (NONE, NONE),
             };
-            let fits = self.joint_fits(canvas, p, &mut joint, limits);
-            if fits {
+            let fits = self.joint_fits(canvas, p, &mut joint, limits) && {
                 self.measure_around(canvas, &mut joint, reach);
-            }
-            let fits = fits
-                && (joint.vertex != NONE && canvas.graph.degree(joint.vertex) != 2 || parts_stay_apart(&joint, near));
+                let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
+                !divides || parts_stay_apart(&joint, near)
+            };
             self.joints.push(joint);
             if !fits {
                 return false;
@@ -263,7 +259,7 @@ impl Checker {
         } else {
             let e = g.edge(joint.edge);
             piece(length)
-                && [(e.a, e.b), (e.b, e.a)].into_iter().all(|(end, other)| {
+                && [e.a, e.b].into_iter().all(|end| {
                     let to_end = g.at(end) - joint.at;
                     let rest = if canvas.is_end(end) {
                         0.0
@@ -271,7 +267,6 @@ impl Checker {
                         let next = g.edges_at(end).iter().copied().find(|x| *x != joint.edge);
                         next.map_or(0.0, |x| canvas.follow(end, x, |_| {}).1)
                     };
-                    let _ = other;
                     angle_between(direction, to_end) >= limits.min_angle && piece(to_end.length() + rest)
                 })
         }
@@ -315,8 +310,7 @@ impl Checker {
             self.frontier.swap(settled, settled + least);
             let (v, d) = self.frontier[settled];
             settled += 1;
-            if let Some(port) = canvas.nodes[v as usize].port {
-                let _ = port;
+            if canvas.nodes[v as usize].port.is_some() {
                 joint.ports.push((g.at(v), d));
             }
             for &edge in g.edges_at(v) {
@@ -410,7 +404,7 @@ impl Checker {
             along = along.min(away + joint.along(s, r));
             let root = self.roots[index] & (1 << k) != 0;
             shared |= root && joint.shared.contains(&s.edge);
-            from_port |= root && joint.is_port && away < STUB_LENGTH + 5.0;
+            from_port |= root && joint.is_port && away < STUB_LENGTH;
         }
         let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
         let mut needed = base.min(WEDGE * along);
@@ -437,24 +431,4 @@ fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
 
 fn loose_end_near(end: DVec2, s: &Seg) -> bool {
     nearest(end, s.a, s.b).distance(end) < s.floor
-}
-
-impl Canvas {
-    /// Builds a proposal that was checked; the vertices of its points.
-    pub fn build(&mut self, p: &Proposal, made_by: MadeBy, vertices: &mut Vec<VertexIx>) {
-        vertices.clear();
-        for (at, join) in p.points.iter().zip(&p.joins) {
-            let v = match *join {
-                Join::At(v) => Some(v),
-                Join::On(e) => self.split_edge(e, *at),
-                Join::Free(_) => None,
-            };
-            let open = !matches!(join, Join::Free(false));
-            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { port: None, open, target: 0 }));
-            vertices.push(v);
-        }
-        for (a, b) in &p.edges {
-            self.add_edge(vertices[*a], vertices[*b], made_by);
-        }
-    }
 }

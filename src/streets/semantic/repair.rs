@@ -101,15 +101,18 @@ impl Work<'_> {
     /// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
     /// to it, with its distance, the greater the more aslant it lands.
     fn landing(&self, from: DVec2, direction: DVec2, reach: f64, leaving: VertexIx) -> Option<(DVec2, Join, f64)> {
-        let (i, t, _) = self.near.ray(from, from + direction * reach, leaving)?;
-        if self.near.segs[i].is_wall() {
-            return None;
-        }
-        let (line, join) = self.settle(&[from, from + direction * (reach * t)], leaving, &self.relaxed)?;
+        let ahead = self.brief.style.local.snap_radius.max(self.relaxed.gap);
+        let to = from + direction * (reach - ahead).max(1.0);
+        let (line, join) = self.settle(&[from, to], leaving, &self.relaxed)?;
         let end = line[line.len() - 1];
         // Streets meet rather square than aslant.
-        let s = &self.near.segs[i];
-        let slant = (s.b - s.a).normalize_or_zero().dot((end - from).normalize_or_zero()).abs();
+        let met = match join {
+            Join::On(e) => Some(self.canvas.graph.segment(e)),
+            Join::At(_) => None,
+            Join::Free(_) => return None,
+        };
+        let along = met.map_or(DVec2::ZERO, |(a, b)| (b - a).normalize_or_zero());
+        let slant = along.dot((end - from).normalize_or_zero()).abs();
         Some((end, join, from.distance(end) * (1.0 + slant) * self.off_field(from, end)))
     }
 
@@ -190,7 +193,7 @@ impl Work<'_> {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
             let inward = (b - a).perp().normalize_or_zero();
-            let parts = (a.distance(b) / 14.0).ceil().max(2.0) as usize;
+            let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
                 let start = from + inward * 0.5;

@@ -49,9 +49,6 @@ impl Work<'_> {
         let weights: Vec<f64> = initial.iter().map(|p| self.weight(*p)).collect();
         let Some(pick) = self.rng.weighted(&weights).map(|i| initial[i]) else { return false };
         let Some((root, side)) = self.initial_root(pick) else { return false };
-        if !self.is_sound(pick) {
-            return false;
-        }
         let radius = self.brief.patches.patches[pick].radius;
         let root_at = self.brief.patches.patches[pick].vertices[root];
         let Some(stub) = self.canvas.graph.edges_at(port as u32).first().copied() else { return false };

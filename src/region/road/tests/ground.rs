@@ -40,11 +40,13 @@ impl Terrain for Hills {
     }
 }
 
+type Found = BTreeMap<(usize, [i64; 2]), Option<Arc<Settlement>>>;
+
 /// Settlements on jittered lattices.
 pub struct Towns {
     pub seed: Seed,
     pub terrain: Arc<Hills>,
-    found: Mutex<BTreeMap<(usize, [i64; 2]), Option<Arc<Settlement>>>>,
+    found: Mutex<Found>,
 }
 
 const TIERS: [(SizeClass, f64, f64); 3] =

@@ -1,35 +1,41 @@
-//! What the search needs to know of a patch's geometry beside what the patch says itself.
+//! The geometry of a patch taken apart as a filler needs it: what may be cut back, what may not, and whether its streets
+//! keep the distances that a filler keeps.
 
-use super::proposal::STREET_FLOOR;
 use crate::patch::{Patch, PatchEdge};
 use crate::space::segment_distance;
 use glam::DVec2;
 
-/// Greatest change of a patch's size.
-pub(super) const STRETCH: f64 = 0.12;
+/// Least distance between streets that share no junction, in metres.
+pub const STREET_FLOOR: f64 = 14.5;
 
-/// Least length that is left of an arm when it is cut back.
-pub(super) const LEAST_END: f64 = 22.0;
+/// Greatest change of a patch's size when it is fitted between two vertices, as a share.
+pub const STRETCH: f64 = 0.12;
+
+/// Least length that is left of an arm when it is cut back, in metres.
+pub const LEAST_ARM: f64 = 22.0;
 
 /// Greatest distance between two samples along an edge.
 const SAMPLE: f64 = 12.0;
 
 /// The geometry of a patch, taken apart. Main streets are left out.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Shape {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PatchShape {
     /// Points on the part that cannot be cut back, the outermost first.
     pub samples: Vec<DVec2>,
     /// Edges that are on no arm.
     pub core: Vec<(usize, usize)>,
-    /// The street of each connectable vertex, from its other end to that vertex.
+    /// For each connectable vertex its street, from the other end to that vertex.
     pub arms: Vec<Vec<usize>>,
-    /// Whether a vertex is connectable.
+    /// For each vertex whether it is connectable.
     pub is_end: Vec<bool>,
+    /// Whether the streets keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, and are
+    /// not too short, even when the patch is made smaller by [`STRETCH`].
+    pub sound: bool,
 }
 
-impl Shape {
+impl PatchShape {
     /// Takes a patch apart.
-    pub fn new(patch: &Patch) -> Self {
+    pub(super) fn of(patch: &Patch) -> Self {
         let n = patch.vertices.len();
         let mut around: Vec<Vec<usize>> = vec![Vec::new(); n];
         for (i, e) in patch.edges.iter().enumerate().filter(|(_, e)| !e.main) {
@@ -57,9 +63,9 @@ impl Shape {
             let mut along = 0.0;
             for w in arm.windows(2) {
                 let length = at(w[0]).distance(at(w[1]));
-                shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_END - along) / length).clamp(0.0, 1.0)));
+                shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_ARM - along) / length).clamp(0.0, 1.0)));
                 along += length;
-                if along > LEAST_END {
+                if along > LEAST_ARM {
                     break;
                 }
             }
@@ -74,12 +80,13 @@ impl Shape {
         }
         shape.samples.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
         shape.samples.dedup();
+        shape.sound = is_sound(patch);
         shape
     }
 }
 
 /// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
-pub(super) fn is_sound(patch: &Patch) -> bool {
+fn is_sound(patch: &Patch) -> bool {
     let least = STREET_FLOOR / (1.0 - STRETCH);
     let edges: Vec<_> = patch.edges.iter().filter(|e| !e.main).collect();
     let at = |v: usize| patch.vertices[v];
