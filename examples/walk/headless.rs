@@ -46,6 +46,11 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
             return AppExit::from_code(2);
         }
     }
+    // Without an adapter, Bevy's own complaints about that say nothing new.
+    let filter = match draws {
+        shots::Draws::Not => "warn,bevy_render=off,bevy_gizmos_render=off",
+        _ => "warn,wgpu=error,bevy_render=error",
+    };
     let mut app = App::new();
     app.add_plugins(
         DefaultPlugins
@@ -56,7 +61,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
                 synchronous_pipeline_compilation: true,
                 ..default()
             })
-            .set(LogPlugin { level: Level::WARN, filter: "warn,wgpu=error,bevy_render=error".into(), ..default() })
+            .set(LogPlugin { level: Level::WARN, filter: filter.into(), ..default() })
             .disable::<WinitPlugin>(),
     );
     let start = Instant::now();

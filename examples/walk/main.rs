@@ -39,7 +39,7 @@ fn main() -> AppExit {
         _ if args.headless => None,
         _ if !has_display() => Some("there is no display"),
         Draws::Not => Some("there is no graphics adapter"),
-        Draws::InSoftware | Draws::WithCard => return walker::window(args),
+        Draws::InSoftware | Draws::WithCard => return walker::window(args, draws),
     };
     if let Some(why) = why {
         println!("No window, since {why}: walking by myself (--help lists what can be set).");

@@ -19,12 +19,19 @@ const MOMENTS: [(f64, &str); 5] =
     [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
 
 /// What can draw.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draws {
     Not,
     /// The processor does a graphics card's work.
     InSoftware,
     WithCard,
+}
+
+impl Draws {
+    /// Smooth edges, where they cost little.
+    pub fn msaa(self) -> Msaa {
+        if self == Self::WithCard { Msaa::Sample4 } else { Msaa::Off }
+    }
 }
 
 /// Screenshots taken and to be taken.
@@ -71,10 +78,7 @@ pub fn setup(
     }
     let Some(mut images) = images else { return };
     let image = images.add(Image::new_target_texture(SIZE.0, SIZE.1, TextureFormat::Rgba8UnormSrgb, None));
-    commands.entity(entity).insert(RenderTarget::Image(image.clone().into()));
-    if shots.draws == Draws::InSoftware {
-        commands.entity(entity).insert(Msaa::Off);
-    }
+    commands.entity(entity).insert((RenderTarget::Image(image.clone().into()), shots.draws.msaa()));
     shots.target = Some(image);
 }
 

@@ -1,6 +1,7 @@
 //! First person in a window.
 
 use crate::args::Args;
+use crate::shots::Draws;
 use crate::{panel, scene};
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
@@ -23,22 +24,27 @@ pub struct Walker {
 }
 
 /// Opens the window and runs until it is closed.
-pub fn window(args: Args) -> AppExit {
-    let window = Window { title: "bevy_sprawl".into(), ..default() };
+pub fn window(args: Args, draws: Draws) -> AppExit {
+    let mut window = Window { title: "bevy_sprawl".into(), ..default() };
+    if draws == Draws::InSoftware {
+        println!("There is no graphics card: a small window, and few frames a second.");
+        window.resolution = (640, 360).into();
+    }
     App::new()
         .add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
         .add_plugins(EguiPlugin::default())
         .add_plugins(SprawlPlugin::new(args.seed).starting_at(args.at))
         .insert_resource(panel::Begin(args.at))
+        .insert_resource(draws)
         .add_systems(Startup, (scene::light, spawn, panel::setup))
         .add_systems(Update, (panel::begin, grab_mouse, look, walk, scene::keep_sky).chain())
         .add_systems(EguiPrimaryContextPass, panel::show)
         .run()
 }
 
-fn spawn(mut commands: Commands) {
+fn spawn(mut commands: Commands, draws: Res<Draws>) {
     let anchor = StreamAnchor { start_on_street: false, ..default() };
-    commands.spawn((Walker::default(), anchor, scene::camera(), Transform::default()));
+    commands.spawn((Walker::default(), anchor, scene::camera(), draws.msaa(), Transform::default()));
 }
 
 impl Walker {
