@@ -60,8 +60,8 @@ impl Measures {
         self.made_before = stats.chunks_made;
     }
 
-    /// Frames are measured while walking, from their first to their last system: the pause between frames and the frames
-    /// around screenshots are left out.
+    /// Frames are measured while walking, from their first to their last system: the pause between frames and the
+    /// frames around screenshots are left out.
     pub fn end_frame(&mut self, phase: Phase, stats: &SprawlStats, ground: impl FnOnce() -> bool) {
         if phase != Phase::Walk {
             return;

@@ -16,7 +16,8 @@ const HAZE: Color = Color::srgb(0.80, 0.87, 0.93);
 /// Colour of the sky overhead.
 const ZENITH: Color = Color::srgb(0.30, 0.52, 0.82);
 
-/// Distances in metres at which things begin to fade, and at which nothing is seen any more: about where loading begins.
+/// Distances in metres at which things begin to fade, and at which nothing is seen any more: about where loading
+/// begins.
 const SIGHT: (f32, f32) = (250.0, 1_300.0);
 
 /// The way of sunlight.

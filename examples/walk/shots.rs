@@ -82,7 +82,8 @@ pub fn setup(
     shots.target = Some(image);
 }
 
-/// Stands still at the chosen moments and draws one frame. Pipelines are compiled before it, so that it shows everything.
+/// Stands still at the chosen moments and draws one frame. Pipelines are compiled before it, so that it shows
+/// everything.
 pub fn shoot(
     mut commands: Commands,
     mut phase: ResMut<Phase>,

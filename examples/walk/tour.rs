@@ -203,8 +203,8 @@ fn stand(tour: &Tour, sprawl: &Sprawl, transform: &mut Transform) {
     }
 }
 
-/// A way of about `length` metres along roads and streets: towards the town from the side of `from`, through its middle, and
-/// out on the other side. `None` when the network does not lead through.
+/// A way of about `length` metres along roads and streets: towards the town from the side of `from`, through its
+/// middle, and out on the other side. `None` when the network does not lead through.
 fn way_through(
     world: &Sprawled,
     town: &Settlement,

@@ -23,8 +23,8 @@ pub enum ChunkPart {
     Windows,
 }
 
-/// The materials that all chunks share. Colours come from the vertices. Replace a handle before the first chunk is there, or
-/// change the material behind it at any time.
+/// The materials that all chunks share. Colours come from the vertices. Replace a handle before the first chunk is
+/// there, or change the material behind it at any time.
 #[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(Resource, Debug, Clone)]
 pub struct SprawlMaterials {

@@ -1,7 +1,7 @@
 //! The entity of a chunk: its components, and the messages about its life.
 //!
-//! A chunk is a root entity with its meshes as children, placed at its south-west corner at height 0. Entities of a game
-//! may be added as further children: they go when the chunk is unloaded.
+//! A chunk is a root entity with its meshes as children, placed at its south-west corner at height 0. Entities of a
+//! game may be added as further children: they go when the chunk is unloaded.
 
 use crate::chunk::Chunk;
 use crate::mesh::Detail;

@@ -1,7 +1,7 @@
 //! Which plan point Bevy's origin stands for, and shifting it when anchors are far away.
 //!
-//! Bevy's transforms are 32-bit floats: 10 km from the origin they resolve a millimetre, 1,000 km from it 6 cm. The plan
-//! has no such limit, so the plugin moves the origin with the anchors and everything that is marked with it.
+//! Bevy's transforms are 32-bit floats: 10 km from the origin they resolve a millimetre, 1,000 km from it 6 cm. The
+//! plan has no such limit, so the plugin moves the origin with the anchors and everything that is marked with it.
 
 use super::anchor::StreamAnchor;
 use super::schedule::SprawlSystems;
@@ -73,7 +73,8 @@ impl Default for OriginSettings {
 pub struct ShiftsWithOrigin;
 
 /// The origin has moved: a point that was at `p` in Bevy is now at `p + by`. Sent as a message and as an event, after
-/// the transforms of chunks, anchors and [`ShiftsWithOrigin`] have been changed. Add `by` to positions you keep elsewhere.
+/// the transforms of chunks, anchors and [`ShiftsWithOrigin`] have been changed. Add `by` to positions you keep
+/// elsewhere.
 #[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
 pub struct OriginShifted {
     /// What to add to Bevy positions.

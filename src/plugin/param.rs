@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 /// Questions to the world, for any system. Points are Bevy's; [`Sprawl::to_plan`] and [`Sprawl::to_bevy`] convert.
 ///
-/// Answers come from the generator, for any place, loaded or not. Where nothing has been made yet it is made now, on the
-/// calling thread, which may take some milliseconds for the first answer in a town.
+/// Answers come from the generator, for any place, loaded or not. Where nothing has been made yet it is made now, on
+/// the calling thread, which may take some milliseconds for the first answer in a town.
 #[derive(SystemParam)]
 pub struct Sprawl<'w, 's> {
     world: Res<'w, SprawlWorld>,

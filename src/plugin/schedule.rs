@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
-/// What the plugin does each frame: sets in `PostUpdate`, in this order, all before Bevy propagates transforms. So anchors
-/// may move in `Update`, and a chunk that is applied is drawn in the same frame.
+/// What the plugin does each frame: sets in `PostUpdate`, in this order, all before Bevy propagates transforms. So
+/// anchors may move in `Update`, and a chunk that is applied is drawn in the same frame.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SprawlSystems {
     /// Takes up changed assets and settings, and makes a new world from them in the background.

@@ -14,8 +14,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What the world is made from. Change it at any time: the next world is made in the background, and chunks that differ are
-/// replaced one by one.
+/// What the world is made from. Change it at any time: the next world is made in the background, and chunks that differ
+/// are replaced one by one.
 #[derive(Resource, Clone, Debug)]
 pub struct SprawlSource {
     /// The seed.
@@ -171,8 +171,9 @@ fn difference(old: &World, new: &SprawlSource) -> Difference {
         return Difference::All;
     }
     let (before, after) = (old.assets(), &new.assets);
-    // A settlement's style is chosen among the names that the settings list, so names alone change nothing; but a style that
-    // has gone or come is treated as everything: it happens while assets are being written, not while a game is played.
+    // A settlement's style is chosen among the names that the settings list, so names alone change nothing; but a style
+    // that has gone or come is treated as everything: it happens while assets are being written, not while a game is
+    // played.
     if !before.styles.keys().eq(after.styles.keys()) {
         return Difference::All;
     }
@@ -192,8 +193,8 @@ fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Ar
     names.filter(differs).cloned().collect()
 }
 
-/// The loaded chunks that show a settlement of one of the styles, or one that touches such a settlement: a main street that
-/// two towns share has ports from the styles of both.
+/// The loaded chunks that show a settlement of one of the styles, or one that touches such a settlement: a main street
+/// that two towns share has ports from the styles of both.
 fn touched(world: &World, styles: &BTreeSet<String>, loaded: Vec<(ChunkCoord, Vec<Arc<Settlement>>)>) -> Dirty {
     let mut known: BTreeMap<_, bool> = BTreeMap::new();
     let mut is_touched = |settlement: &Settlement| -> Result<bool, LayerError> {

@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A style or patch set was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's asset
-/// server logs the same.
+/// A style or patch set was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's
+/// asset server logs the same.
 #[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
 pub struct AssetRejected {
     /// The file, as the asset server names it.

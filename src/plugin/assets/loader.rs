@@ -1,6 +1,7 @@
 //! Asset loaders of styles and patch sets.
 //!
-//! They claim no file extension, since `ron` belongs to everybody: load with the type, `load::<Style>("styles/mine.ron")`.
+//! They claim no file extension, since `ron` belongs to everybody: load with the type,
+//! `load::<Style>("styles/mine.ron")`.
 
 use crate::layer::FileError;
 use crate::patch::PatchSet;

@@ -1,7 +1,7 @@
 //! Turning finished chunks into entities, and removing those that are not wanted.
 //!
-//! An exclusive system: what it does is done when it returns, so that the time it measures against the budget is the time it
-//! really takes.
+//! An exclusive system: what it does is done when it returns, so that the time it measures against the budget is the
+//! time it really takes.
 
 use super::slot::Shown;
 use super::tasks::Built;
@@ -55,8 +55,8 @@ impl Streaming {
     }
 }
 
-/// Puts a finished chunk in the place of what its entity shows. Messages and events come last, when all is in place: their
-/// observers may use every resource.
+/// Puts a finished chunk in the place of what its entity shows. Messages and events come last, when all is in place:
+/// their observers may use every resource.
 fn apply(world: &mut World, coord: ChunkCoord) {
     let mut streaming = world.resource_mut::<Streaming>();
     let Some(slot) = streaming.slots.get_mut(&coord) else { return };

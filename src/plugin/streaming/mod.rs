@@ -35,8 +35,8 @@ pub struct StreamSettings {
     pub removals_per_frame: u32,
     /// Chunks are also loaded around where anchors will be in so many seconds.
     pub lookahead_s: f32,
-    /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. Needs about twice
-    /// the memory. Colliders need it not: they can be made from [`ChunkData`](super::ChunkData).
+    /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. Needs about
+    /// twice the memory. Colliders need it not: they can be made from [`ChunkData`](super::ChunkData).
     pub keep_meshes: bool,
 }
 

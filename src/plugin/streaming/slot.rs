@@ -76,7 +76,8 @@ impl Slot {
         }
     }
 
-    /// Stops work on it and drops what has not been applied. The task, if any, is returned: it may still run for a moment.
+    /// Stops work on it and drops what has not been applied. The task, if any, is returned: it may still run for a
+    /// moment.
     pub fn cancel(&mut self) -> Option<Task<Outcome>> {
         self.built = None;
         let job = self.job.take()?;
