@@ -36,9 +36,8 @@ pub enum Phase {
 }
 
 /// Walks, leaves map, screenshots and report, and ends.
-pub fn run(args: Args, adapter: Option<RenderCreation>) -> AppExit {
-    let draws = adapter.is_some();
-    if !draws {
+pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> AppExit {
+    if draws == shots::Draws::Not {
         println!("There is no graphics adapter, not even in software: no screenshots.");
     }
     for dir in [Some(args.screenshots.as_path()), args.report.parent()].into_iter().flatten() {
@@ -53,6 +52,8 @@ pub fn run(args: Args, adapter: Option<RenderCreation>) -> AppExit {
             .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
             .set(RenderPlugin {
                 render_creation: adapter.unwrap_or_else(|| WgpuSettings { backends: None, ..default() }.into()),
+                // The few frames that are drawn shall show everything.
+                synchronous_pipeline_compilation: true,
                 ..default()
             })
             .set(LogPlugin { level: Level::WARN, filter: "warn,wgpu=error,bevy_render=error".into(), ..default() })
@@ -70,8 +71,8 @@ pub fn run(args: Args, adapter: Option<RenderCreation>) -> AppExit {
         .insert_resource(Leave(args))
         .add_systems(PreStartup, |mut measures: ResMut<Measures>| measures.begin_frame())
         .add_systems(First, |mut measures: ResMut<Measures>| measures.begin_frame())
-        .add_systems(Startup, (scene::light, tour::spawn, shots::setup).chain())
-        .add_systems(Update, (tour::arrive, tour::plan, tour::wait, tour::walk, shots::shoot).chain())
+        .add_systems(Startup, (tour::spawn, (scene::light, shots::setup)).chain())
+        .add_systems(Update, (tour::arrive, tour::plan, tour::wait, tour::walk, shots::shoot, scene::keep_sky).chain())
         .add_systems(Last, (measure, leave).chain());
     app.run()
 }
@@ -91,7 +92,8 @@ fn measure(
 }
 
 fn leave(
-    mut phase: ResMut<Phase>,
+    mut left: Local<bool>,
+    phase: Res<Phase>,
     leave: Res<Leave>,
     tour: Res<Tour>,
     measures: Res<Measures>,
@@ -100,10 +102,9 @@ fn leave(
     sprawl: Sprawl,
     mut exit: MessageWriter<AppExit>,
 ) {
-    if *phase != Phase::Done || !exit.is_empty() {
+    if *phase != Phase::Done || std::mem::replace(&mut *left, true) {
         return;
     }
-    *phase = Phase::Arrive;
     let args = &leave.0;
     let map = args.screenshots.join("map.svg");
     let drawn =

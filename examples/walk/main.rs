@@ -16,8 +16,9 @@ mod walker;
 
 use bevy::prelude::*;
 use bevy::render::renderer::initialize_renderer;
-use bevy::render::settings::{RenderCreation, RenderResources, WgpuSettings};
+use bevy::render::settings::{RenderCreation, WgpuSettings};
 use bevy::tasks::block_on;
+use shots::Draws;
 use std::panic::{catch_unwind, set_hook, take_hook};
 
 fn main() -> AppExit {
@@ -33,16 +34,17 @@ fn main() -> AppExit {
         }
     };
     let adapter = adapter();
-    let why = match &adapter {
+    let draws = adapter.as_ref().map_or(Draws::Not, |(_, draws)| *draws);
+    let why = match draws {
         _ if args.headless => None,
         _ if !has_display() => Some("there is no display"),
-        None => Some("there is no graphics adapter"),
-        Some(_) => return walker::window(args),
+        Draws::Not => Some("there is no graphics adapter"),
+        Draws::InSoftware | Draws::WithCard => return walker::window(args),
     };
     if let Some(why) = why {
         println!("No window, since {why}: walking by myself (--help lists what can be set).");
     }
-    headless::run(args, adapter)
+    headless::run(args, adapter.map(|(creation, _)| creation), draws)
 }
 
 fn has_display() -> bool {
@@ -51,12 +53,14 @@ fn has_display() -> bool {
 }
 
 /// A device to draw with, where there is an adapter: Bevy panics where there is none.
-fn adapter() -> Option<RenderCreation> {
+fn adapter() -> Option<(RenderCreation, Draws)> {
     let settings = WgpuSettings::default();
     let backends = settings.backends?;
     let hook = take_hook();
     set_hook(Box::new(|_| {}));
     let made = catch_unwind(|| block_on(initialize_renderer(backends, None, &settings)));
     set_hook(hook);
-    made.ok().map(|resources: RenderResources| RenderCreation::Manual(resources))
+    let resources = made.ok()?;
+    let draws = if resources.2.device_type == DeviceType::Cpu { Draws::InSoftware } else { Draws::WithCard };
+    Some((RenderCreation::Manual(resources), draws))
 }

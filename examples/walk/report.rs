@@ -8,6 +8,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+/// Memory is compared from this frame on: the first screenshot is taken before it, and brings up the renderer.
+const MEMORY_FROM: usize = 120;
+
 /// What is measured on the walk.
 #[derive(Resource)]
 pub struct Measures {
@@ -19,7 +22,7 @@ pub struct Measures {
     plugin_ms: Vec<f32>,
     holes: u64,
     first_chunk: Option<Duration>,
-    /// Time in which tasks were in flight, and chunks made in it.
+    /// Time in which tasks were in flight.
     busy: Duration,
     made_before: u64,
     rss_start: f64,
@@ -55,7 +58,6 @@ impl Measures {
 
     pub fn start_walk(&mut self, stats: &SprawlStats) {
         self.made_before = stats.chunks_made;
-        self.rss_start = rss_mb();
     }
 
     /// Frames are measured while walking, from their first to their last system: the pause between frames and the frames
@@ -63,6 +65,9 @@ impl Measures {
     pub fn end_frame(&mut self, phase: Phase, stats: &SprawlStats, ground: impl FnOnce() -> bool) {
         if phase != Phase::Walk {
             return;
+        }
+        if self.frame_ms.len() <= MEMORY_FROM {
+            self.rss_start = rss_mb();
         }
         self.frame_ms.push(self.frame.elapsed().as_secs_f32() * 1000.0);
         self.plugin_ms.push(stats.main_thread_ms);

@@ -1,43 +1,108 @@
 //! Sun, sky and haze.
 
+use bevy::asset::RenderAssetUsages;
 use bevy::camera::Exposure;
+use bevy::camera::visibility::NoFrustumCulling;
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::light::{CascadeShadowConfigBuilder, light_consts::lux};
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, NotShadowCaster, NotShadowReceiver};
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_sprawl::prelude::*;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// Colour of the sky at the horizon, into which distant things fade.
-const HAZE: Color = Color::srgb(0.72, 0.80, 0.88);
+/// Colour of the air at the horizon, into which distant things fade.
+const HAZE: Color = Color::srgb(0.80, 0.87, 0.93);
 
-/// Distance at which nothing is seen any more, in metres: a little less than what is loaded.
-const SIGHT: f32 = 1_450.0;
+/// Colour of the sky overhead.
+const ZENITH: Color = Color::srgb(0.30, 0.52, 0.82);
+
+/// Distances in metres at which things begin to fade, and at which nothing is seen any more: about where loading begins.
+const SIGHT: (f32, f32) = (250.0, 1_300.0);
+
+/// The way of sunlight.
+const SUN: Vec3 = Vec3::new(0.55, -0.75, -0.45);
 
 /// A camera for a clear day.
 pub fn camera() -> impl Bundle {
     (
         Camera3d::default(),
-        Projection::from(PerspectiveProjection { near: 0.1, far: 6_000.0, fov: 1.1, ..default() }),
-        Tonemapping::AcesFitted,
-        Exposure { ev100: 14.0 },
-        DistanceFog {
-            color: HAZE,
-            directional_light_color: Color::srgba(1.0, 0.95, 0.8, 0.35),
-            directional_light_exponent: 24.0,
-            falloff: FogFalloff::from_visibility_squared(SIGHT),
-        },
+        Projection::from(PerspectiveProjection { near: 0.1, far: 6_000.0, fov: 1.0, ..default() }),
+        Tonemapping::None,
+        Exposure { ev100: 14.1 },
+        DistanceFog { color: HAZE, falloff: FogFalloff::Linear { start: SIGHT.0, end: SIGHT.1 }, ..default() },
     )
 }
 
+/// The dome of the sky, which stays around the camera.
+#[derive(Component)]
+pub struct Sky;
+
 /// Sun and sky.
-pub fn light(mut commands: Commands) {
+pub fn light(
+    mut commands: Commands,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+    materials: Option<ResMut<Assets<StandardMaterial>>>,
+) {
     commands.insert_resource(ClearColor(HAZE));
+    commands.insert_resource(DirectionalLightShadowMap { size: 2048 });
     commands.insert_resource(GlobalAmbientLight {
-        color: Color::srgb(0.75, 0.85, 1.0),
+        color: Color::srgb(0.86, 0.92, 1.0),
         brightness: 9_000.0,
         ..default()
     });
     commands.spawn((
-        DirectionalLight { illuminance: lux::DIRECT_SUNLIGHT * 0.7, shadow_maps_enabled: true, ..default() },
-        CascadeShadowConfigBuilder { num_cascades: 3, maximum_distance: 300.0, ..default() }.build(),
-        Transform::default().looking_to(Vec3::new(0.55, -0.75, -0.45), Vec3::Y),
+        DirectionalLight { illuminance: 60_000.0, shadow_maps_enabled: true, ..default() },
+        CascadeShadowConfigBuilder { num_cascades: 2, maximum_distance: 260.0, ..default() }.build(),
+        Transform::default().looking_to(SUN, Vec3::Y),
     ));
+    // Light from the sky opposite the sun gives walls in the shade a shape.
+    commands.spawn((
+        DirectionalLight { illuminance: 9_000.0, color: Color::srgb(0.8, 0.9, 1.0), ..default() },
+        Transform::default().looking_to(Vec3::new(-SUN.x, -0.9, -SUN.z + 0.4), Vec3::Y),
+    ));
+    let (Some(mut meshes), Some(mut materials)) = (meshes, materials) else { return };
+    let material = StandardMaterial { unlit: true, fog_enabled: false, cull_mode: None, ..default() };
+    commands.spawn((
+        Sky,
+        Mesh3d(meshes.add(dome(5_000.0))),
+        MeshMaterial3d(materials.add(material)),
+        (NotShadowCaster, NotShadowReceiver, NoFrustumCulling),
+    ));
+}
+
+/// Keeps the sky around the camera.
+pub fn keep_sky(
+    camera: Single<&Transform, (With<StreamAnchor>, Without<Sky>)>,
+    mut sky: Query<&mut Transform, With<Sky>>,
+) {
+    for mut sky in &mut sky {
+        sky.translation = camera.translation;
+    }
+}
+
+/// A dome, the colour of haze from a little over the horizon downwards.
+fn dome(radius: f32) -> Mesh {
+    const RINGS: u32 = 12;
+    const SIDES: u32 = 32;
+    let (haze, zenith) = (HAZE.to_linear(), ZENITH.to_linear());
+    let (mut positions, mut colours, mut indices) = (vec![], vec![], vec![]);
+    for ring in 0..=RINGS {
+        let height = -0.35 + (FRAC_PI_2 + 0.35) * ring as f32 / RINGS as f32;
+        let share = ((height - 0.03) / 0.9).clamp(0.0, 1.0).sqrt();
+        for side in 0..SIDES {
+            let (y, out) = height.sin_cos();
+            let (z, x) = (side as f32 / SIDES as f32 * TAU).sin_cos();
+            positions.push((Vec3::new(x * out, y, z * out) * radius).to_array());
+            colours.push(haze.mix(&zenith, share).to_f32_array());
+            if ring < RINGS {
+                let [a, b] = [ring * SIDES + side, ring * SIDES + (side + 1) % SIDES];
+                indices.extend([a, b, a + SIDES, b, b + SIDES, a + SIDES]);
+            }
+        }
+    }
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, -1.0, 0.0]; positions.len()])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colours)
+        .with_inserted_indices(Indices::U32(indices))
 }

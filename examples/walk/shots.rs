@@ -1,4 +1,4 @@
-//! Screenshots without a window. The camera draws only for these: in software a frame takes a good part of a second.
+//! Screenshots without a window. The camera draws only for these: in software a frame takes seconds.
 
 use crate::args::Args;
 use crate::headless::Phase;
@@ -16,22 +16,24 @@ const SIZE: (u32, u32) = (1280, 720);
 
 /// When screenshots are taken, as shares of the walk, and what they are called.
 const MOMENTS: [(f64, &str); 5] =
-    [(0.02, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
+    [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
 
-/// Frames that are drawn before the one that is kept: pipelines are compiled and meshes uploaded meanwhile.
-const WARM_UP: u32 = 4;
-
-/// Frames drawn before the first screenshot of all, which waits for every pipeline.
-const FIRST_WARM_UP: u32 = 12;
+/// What can draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draws {
+    Not,
+    /// The processor does a graphics card's work.
+    InSoftware,
+    WithCard,
+}
 
 /// Screenshots taken and to be taken.
 #[derive(Resource)]
 pub struct Shots {
     dir: PathBuf,
-    draws: bool,
+    draws: Draws,
     target: Option<Handle<Image>>,
     next: usize,
-    frames: u32,
     waiting: bool,
     since: Option<Instant>,
     /// Where the walker was before it was lifted for a view from above.
@@ -41,13 +43,12 @@ pub struct Shots {
 }
 
 impl Shots {
-    pub fn new(args: &Args, draws: bool) -> Self {
+    pub fn new(args: &Args, draws: Draws) -> Self {
         Self {
             dir: args.screenshots.clone(),
             draws,
             target: None,
             next: 0,
-            frames: 0,
             waiting: false,
             since: None,
             stood: None,
@@ -65,13 +66,19 @@ pub fn setup(
 ) {
     let (entity, mut camera) = tourist.into_inner();
     camera.is_active = false;
-    let (true, Some(mut images)) = (shots.draws, images) else { return };
+    if shots.draws == Draws::Not {
+        return;
+    }
+    let Some(mut images) = images else { return };
     let image = images.add(Image::new_target_texture(SIZE.0, SIZE.1, TextureFormat::Rgba8UnormSrgb, None));
     commands.entity(entity).insert(RenderTarget::Image(image.clone().into()));
+    if shots.draws == Draws::InSoftware {
+        commands.entity(entity).insert(Msaa::Off);
+    }
     shots.target = Some(image);
 }
 
-/// Stands still at the chosen moments, draws a few frames, and keeps the last.
+/// Stands still at the chosen moments and draws one frame. Pipelines are compiled before it, so that it shows everything.
 pub fn shoot(
     mut commands: Commands,
     mut phase: ResMut<Phase>,
@@ -85,7 +92,6 @@ pub fn shoot(
     let Some((share, name)) = MOMENTS.get(shots.next).copied() else { return };
     if *phase == Phase::Walk && tour.share() >= share {
         *phase = Phase::Shoot;
-        shots.frames = 0;
         shots.since = Some(Instant::now());
         if name == "above" {
             shots.stood = Some(*transform);
@@ -95,6 +101,8 @@ pub fn shoot(
         }
     }
     if *phase != Phase::Shoot || shots.waiting {
+        // The frame with the screenshot has gone to the renderer: no more are drawn.
+        camera.is_active = false;
         return;
     }
     let patient = shots.since.is_some_and(|s| s.elapsed().as_secs() < 15);
@@ -102,26 +110,20 @@ pub fn shoot(
         return;
     }
     camera.is_active = true;
-    shots.frames += 1;
-    let warm_up = if shots.next == 0 { FIRST_WARM_UP } else { WARM_UP };
-    if shots.frames > warm_up {
-        shots.waiting = true;
-        let file = shots.dir.join(format!("{}-{name}.png", shots.next + 1));
-        commands.spawn(Screenshot::image(target)).observe(save_to_disk(file.clone())).observe(
-            move |_: On<ScreenshotCaptured>,
-                  mut shots: ResMut<Shots>,
-                  mut phase: ResMut<Phase>,
-                  tourist: Single<(&mut Camera, &mut Transform), With<Tourist>>| {
-                let (mut camera, mut transform) = tourist.into_inner();
-                camera.is_active = false;
-                if let Some(stood) = shots.stood.take() {
-                    *transform = stood;
-                }
-                shots.taken.push(file.clone());
-                shots.waiting = false;
-                shots.next += 1;
-                *phase = Phase::Walk;
-            },
-        );
-    }
+    shots.waiting = true;
+    let file = shots.dir.join(format!("{}-{name}.png", shots.next + 1));
+    commands.spawn(Screenshot::image(target)).observe(save_to_disk(file.clone())).observe(
+        move |_: On<ScreenshotCaptured>,
+              mut shots: ResMut<Shots>,
+              mut phase: ResMut<Phase>,
+              mut tourist: Single<&mut Transform, With<Tourist>>| {
+            if let Some(stood) = shots.stood.take() {
+                **tourist = stood;
+            }
+            shots.taken.push(file.clone());
+            shots.waiting = false;
+            shots.next += 1;
+            *phase = Phase::Walk;
+        },
+    );
 }

@@ -31,7 +31,7 @@ pub fn window(args: Args) -> AppExit {
         .add_plugins(SprawlPlugin::new(args.seed).starting_at(args.at))
         .insert_resource(panel::Begin(args.at))
         .add_systems(Startup, (scene::light, spawn, panel::setup))
-        .add_systems(Update, (panel::begin, grab_mouse, look, walk).chain())
+        .add_systems(Update, (panel::begin, grab_mouse, look, walk, scene::keep_sky).chain())
         .add_systems(EguiPrimaryContextPass, panel::show)
         .run()
 }

@@ -105,6 +105,9 @@ fn start_on_street(
 /// Seconds over which the velocity of an anchor is smoothed.
 const SMOOTHING: f64 = 0.3;
 
+/// What moves faster, in metres per second, has been put elsewhere and does not go on.
+const FASTEST: f64 = 2_000.0;
+
 /// Transforms are read through their parents, since global transforms are those of the last frame.
 pub(super) fn read_anchors(
     time: Option<Res<Time>>,
@@ -131,7 +134,7 @@ pub(super) fn read_anchors(
         let at = to_plan(origin.origin(), position);
         let (load, unload, detail) = anchor.radii();
         let moved = at - motion.last.unwrap_or(at);
-        if moved.length() > load.max(100.0) {
+        if moved.length() > FASTEST * seconds {
             motion.velocity = DVec2::ZERO;
         } else if seconds > 0.0 {
             let share = (seconds / SMOOTHING).min(1.0);

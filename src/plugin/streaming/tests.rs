@@ -74,6 +74,7 @@ impl ChunkMaker for Fake {
             ground: Ground { cells: 1, samples: vec![Flat.sample(DVec2::ZERO); 4] },
             junctions: vec![],
             streets: vec![],
+            arriving: vec![],
             blocks: vec![],
             lots: vec![],
             footprints: vec![],
