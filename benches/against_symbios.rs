@@ -30,8 +30,11 @@ fn main() {
         let region = Bounds::square(DVec2::ZERO, 100_000.0);
         let cities = world.settlements().centred_in_of(region, SizeClass::City).expect("never cancelled");
         let Some(city) = cities.first() else { continue };
-        world.town(city, &never).expect("never cancelled");
         let middle = ChunkCoord::containing(city.centre.plan(), TILE as i64).0;
+        // Where cities lie and which roads join them is work that symbios-tensor does not do.
+        let block = ChunkCoord(middle).bounds(TILE as i64).grown(TILE);
+        world.town(city, &never).expect("never cancelled");
+        world.roads().overlapping(block, &never).expect("never cancelled");
         for (x, y) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y))) {
             let start = Instant::now();
             let chunk = world.chunk(ChunkCoord::new(middle.x + x, middle.y + y), &never).expect("never cancelled");
