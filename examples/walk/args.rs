@@ -9,7 +9,7 @@ Walk through an endless world of towns.
   --seed N            the world [42]
   --at X,Y            begin near this plan point, metres east and north [0,0]
   --headless          no window: walk through a town by itself, and leave a map, screenshots and a report
-  --seconds S         length of that walk in seconds [45]
+  --seconds S         length of that walk in seconds [40]
   --speed M           its speed in metres per second [fits the town]
   --screenshots DIR   where screenshots and the map go [target/walk]
   --report FILE       where the report goes [target/walk/report.json]
@@ -34,7 +34,7 @@ impl Default for Args {
             seed: 42,
             at: DVec2::ZERO,
             headless: false,
-            seconds: 45.0,
+            seconds: 40.0,
             speed: None,
             screenshots: "target/walk".into(),
             report: "target/walk/report.json".into(),

@@ -28,7 +28,7 @@ pub fn camera() -> impl Bundle {
         Camera3d::default(),
         Projection::from(PerspectiveProjection { near: 0.1, far: 6_000.0, fov: 1.0, ..default() }),
         Tonemapping::None,
-        Exposure { ev100: 14.1 },
+        Exposure { ev100: 13.8 },
         DistanceFog { color: HAZE, falloff: FogFalloff::Linear { start: SIGHT.0, end: SIGHT.1 }, ..default() },
     )
 }
@@ -51,8 +51,14 @@ pub fn light(
         ..default()
     });
     commands.spawn((
-        DirectionalLight { illuminance: 60_000.0, shadow_maps_enabled: true, ..default() },
-        CascadeShadowConfigBuilder { num_cascades: 2, maximum_distance: 260.0, ..default() }.build(),
+        DirectionalLight { illuminance: 60_000.0, shadow_maps_enabled: true, shadow_normal_bias: 0.7, ..default() },
+        CascadeShadowConfigBuilder {
+            num_cascades: 3,
+            first_cascade_far_bound: 18.0,
+            maximum_distance: 280.0,
+            ..default()
+        }
+        .build(),
         Transform::default().looking_to(SUN, Vec3::Y),
     ));
     // Light from the sky opposite the sun gives walls in the shade a shape.

@@ -8,7 +8,10 @@ use crate::mesh::Detail;
 use crate::space::ChunkCoord;
 use bevy::ecs::component::{Immutable, StorageType};
 use bevy::prelude::*;
+use bevy::reflect::impl_reflect_opaque;
 use std::sync::Arc;
+
+impl_reflect_opaque!((in bevy_sprawl::space) ChunkCoord(Component, Default, Debug, PartialEq, Hash, Clone));
 
 /// On the entity of every chunk.
 impl Component for ChunkCoord {
@@ -87,7 +90,7 @@ pub(super) struct ChunkPlugin;
 
 impl Plugin for ChunkPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<ChunkStatus>()
+        app.register_type::<(ChunkCoord, ChunkStatus)>()
             .add_message::<ChunkReady>()
             .add_message::<ChunkUnloaded>()
             .add_message::<ChunkFailed>();
