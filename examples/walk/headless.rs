@@ -93,12 +93,9 @@ fn measure(
 
 fn leave(
     mut left: Local<bool>,
-    phase: Res<Phase>,
-    leave: Res<Leave>,
-    tour: Res<Tour>,
-    measures: Res<Measures>,
-    shots: Res<shots::Shots>,
-    stats: Res<SprawlStats>,
+    (phase, leave): (Res<Phase>, Res<Leave>),
+    (tour, shots): (Res<Tour>, Res<shots::Shots>),
+    (measures, stats): (Res<Measures>, Res<SprawlStats>),
     sprawl: Sprawl,
     mut exit: MessageWriter<AppExit>,
 ) {

@@ -96,8 +96,8 @@ fn dome(radius: f32) -> Mesh {
         let height = -0.35 + (FRAC_PI_2 + 0.35) * ring as f32 / RINGS as f32;
         let share = ((height - 0.03) / 0.9).clamp(0.0, 1.0).sqrt();
         for side in 0..SIDES {
-            let (y, out) = height.sin_cos();
-            let (z, x) = (side as f32 / SIDES as f32 * TAU).sin_cos();
+            let Vec2 { x: out, y } = Vec2::from_angle(height);
+            let Vec2 { x, y: z } = Vec2::from_angle(side as f32 / SIDES as f32 * TAU);
             positions.push((Vec3::new(x * out, y, z * out) * radius).to_array());
             colours.push(haze.mix(&zenith, share).to_f32_array());
             if ring < RINGS {

@@ -108,8 +108,7 @@ fn walk(
         transform.translation += direction.normalize_or_zero() * speed * time.delta_secs();
     } else {
         let speed = if runs { 9.0 } else { 3.0 };
-        let (sin, cos) = walker.yaw.sin_cos();
-        let direction = Vec3::new(-sin, 0.0, -cos) * ahead + Vec3::new(cos, 0.0, -sin) * aside;
+        let direction = Quat::from_rotation_y(walker.yaw) * Vec3::new(aside, 0.0, -ahead);
         transform.translation += direction.normalize_or_zero() * speed * time.delta_secs();
     }
     // Feet follow the ground; the eyes a little later, so that kerbs are no jolts.
@@ -118,7 +117,7 @@ fn walk(
     if walker.flies {
         transform.translation.y = transform.translation.y.max(eyes);
     } else {
-        let share = 1.0 - (-12.0 * time.delta_secs()).exp();
+        let share = (12.0 * time.delta_secs()).min(1.0);
         transform.translation.y += (eyes - transform.translation.y) * share;
     }
 }

@@ -93,16 +93,15 @@ impl Plugin for OriginPlugin {
     }
 }
 
+/// Entities without a parent, and what says whether they are shifted.
+type Root = (Entity, &'static mut Transform, Has<ShiftsWithOrigin>, Option<&'static ChunkCoord>);
+
 fn shift_origin(
-    mut commands: Commands,
     mut origin: ResMut<SprawlOrigin>,
-    settings: Res<OriginSettings>,
-    source: Res<SprawlSource>,
-    streaming: Res<Streaming>,
-    anchors: Query<Entity, With<StreamAnchor>>,
-    parents: Query<&ChildOf>,
-    mut roots: Query<(Entity, &mut Transform, Has<ShiftsWithOrigin>, Option<&ChunkCoord>), Without<ChildOf>>,
-    mut shifted: MessageWriter<OriginShifted>,
+    (settings, source, streaming): (Res<OriginSettings>, Res<SprawlSource>, Res<Streaming>),
+    (anchors, parents): (Query<Entity, With<StreamAnchor>>, Query<&ChildOf>),
+    mut roots: Query<Root, Without<ChildOf>>,
+    (mut commands, mut shifted): (Commands, MessageWriter<OriginShifted>),
 ) {
     let Some(middle) = middle(streaming.anchors.iter().map(|a| a.at)) else { return };
     let far = origin.origin().to_local(middle).abs().max_element();
