@@ -52,8 +52,13 @@ fn figures(area: &Area) -> Map<String, Value> {
         junctions: all.junctions.clone(),
         streets: all.streets.iter().filter(|s| square.contains(middle(s))).cloned().collect(),
     });
-    let street_km =
-        all.streets.iter().flat_map(|s| segments(&s.line)).map(|(a, b)| length_inside(square, a, b)).sum::<f64>() / 1e3;
+    let street_km = all
+        .streets
+        .iter()
+        .flat_map(|s| segments(&s.line))
+        .map(|(a, b)| length_inside(square, a, b))
+        .fold(0.0, |sum, m| sum + m)
+        / 1e3;
     let polygon_area = |p: &[DVec2]| signed_area(p).abs();
     let blocks = || area.blocks.iter().map(|b| &b.it).filter(|b| square.contains(centroid(&b.polygon)));
     let mut areas: Vec<f64> = blocks().map(|b| polygon_area(&b.polygon)).collect();
