@@ -89,7 +89,6 @@ mod tests {
     #[derive(serde::Deserialize, Debug)]
     #[serde(deny_unknown_fields)]
     struct Sample {
-        #[allow(dead_code)]
         size: u32,
     }
 
@@ -98,6 +97,7 @@ mod tests {
         let error = from_ron::<Sample>("a.ron", "(\n  size: 3,\n  colour: 4,\n)").unwrap_err();
         assert_eq!((error.file.as_str(), error.line), ("a.ron", 3));
         assert!(error.to_string().contains("colour"), "{error}");
+        assert_eq!(from_ron::<Sample>("a.ron", "(size: 3)").map(|s| s.size), Ok(3));
     }
 
     #[test]

@@ -103,17 +103,7 @@ fn check(case: &Case, town: &Town, what: &str) {
 
 #[test]
 fn every_settlement_is_planned_whole() {
-    for number in 0..60 {
-        let case = case(number);
-        check(&case, &case.plan(), &format!("case {number}"));
-    }
-}
-
-/// Run by hand: `cargo test --release --no-default-features --lib -- --ignored many_settlements`.
-#[test]
-#[ignore = "takes a minute"]
-fn many_settlements() {
-    for number in 1000..1800 {
+    for number in (0..60).chain(1000..1200) {
         let case = case(number);
         check(&case, &case.plan(), &format!("case {number}"));
     }
