@@ -157,7 +157,8 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
     let root = folder("reload");
-    let assets = AssetPlugin { file_path: root.to_string_lossy().into_owned(), ..default() };
+    let watch_for_changes_override = Some(true);
+    let assets = AssetPlugin { file_path: root.to_string_lossy().into_owned(), watch_for_changes_override, ..default() };
     let mut app = app(SprawlPlugin::new(42).assets_from("sprawl"), assets);
     let rejected: Arc<Mutex<Vec<AssetRejected>>> = Arc::default();
     let remade: Arc<Mutex<Vec<ChunkCoord>>> = Arc::default();
@@ -216,6 +217,12 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
         );
     }
     assert!(!remade.is_empty());
+
+    // A new file is found, since the folder is watched.
+    std::fs::write(root.join("sprawl/styles/another.ron"), good).expect("written");
+    run_until(&mut app, "the new file is known", |app| {
+        app.world().resource::<SprawlSource>().assets.styles.contains_key("another")
+    });
 }
 
 #[test]

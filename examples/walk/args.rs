@@ -11,6 +11,7 @@ Walk through an endless world of towns.
   --headless          no window: walk through a town by itself, and leave a map, screenshots and a report
   --seconds S         length of that walk in seconds [40]
   --speed M           its speed in metres per second [fits the town]
+  --laps N            walk the same way so many times, to and fro [1]
   --screenshots DIR   where screenshots and the map go [target/walk]
   --report FILE       where the report goes [target/walk/report.json]
 
@@ -24,6 +25,7 @@ pub struct Args {
     pub headless: bool,
     pub seconds: f64,
     pub speed: Option<f64>,
+    pub laps: u32,
     pub screenshots: PathBuf,
     pub report: PathBuf,
 }
@@ -36,6 +38,7 @@ impl Default for Args {
             headless: false,
             seconds: 40.0,
             speed: None,
+            laps: 1,
             screenshots: "target/walk".into(),
             report: "target/walk/report.json".into(),
         }
@@ -57,7 +60,7 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, Str
                 out.headless = true;
                 continue;
             }
-            "--seed" | "--at" | "--seconds" | "--speed" | "--screenshots" | "--report" => {}
+            "--seed" | "--at" | "--seconds" | "--speed" | "--laps" | "--screenshots" | "--report" => {}
             _ => return Err(format!("unknown argument `{name}`; --help lists them")),
         }
         let value = given.or_else(|| args.next()).ok_or_else(|| format!("{name} needs a value"))?;
@@ -67,6 +70,9 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, Str
             "--at" => out.at = point(&value).ok_or_else(|| wrong("two numbers X,Y, up to 1000000000000 each"))?,
             "--seconds" => out.seconds = within(&value, 1.0, 86_400.0).ok_or_else(|| wrong("1 to 86400"))?,
             "--speed" => out.speed = Some(within(&value, 0.5, 500.0).ok_or_else(|| wrong("0.5 to 500"))?),
+            "--laps" => {
+                out.laps = value.parse().ok().filter(|n| (1..=1000).contains(n)).ok_or_else(|| wrong("1 to 1000"))?
+            }
             "--screenshots" => out.screenshots = value.into(),
             _ => out.report = value.into(),
         }

@@ -93,7 +93,7 @@ fn measure(
     sprawl: Sprawl,
     mut measures: ResMut<Measures>,
 ) {
-    measures.end_frame(*phase, &stats, || tour.place().is_some_and(|p| sprawl.is_ready(sprawl.to_bevy(p, 0.0))));
+    measures.end_frame(*phase, &stats, &tour, || tour.place().is_some_and(|p| sprawl.is_ready(sprawl.to_bevy(p, 0.0))));
 }
 
 fn leave(

@@ -26,6 +26,8 @@ pub struct Measures {
     busy: Duration,
     made_before: u64,
     rss_start: f64,
+    /// At the end of each lap.
+    rss_laps: Vec<f64>,
 }
 
 impl Measures {
@@ -41,6 +43,7 @@ impl Measures {
             busy: Duration::ZERO,
             made_before: 0,
             rss_start: 0.0,
+            rss_laps: Vec::new(),
         }
     }
 
@@ -62,7 +65,10 @@ impl Measures {
 
     /// Frames are measured while walking, from their first to their last system: the pause between frames and the
     /// frames around screenshots are left out.
-    pub fn end_frame(&mut self, phase: Phase, stats: &SprawlStats, ground: impl FnOnce() -> bool) {
+    pub fn end_frame(&mut self, phase: Phase, stats: &SprawlStats, tour: &Tour, ground: impl FnOnce() -> bool) {
+        if tour.laps_done() > self.rss_laps.len() {
+            self.rss_laps.push(rss_mb());
+        }
         if phase != Phase::Walk {
             return;
         }
@@ -93,6 +99,7 @@ impl Measures {
             first_chunk_ms: self.first_chunk.map_or(-1.0, |d| d.as_secs_f64() * 1000.0),
             rss_start_mb: self.rss_start,
             rss_end_mb: rss_mb(),
+            rss_lap_mb: self.rss_laps.clone(),
             distance_m: tour.walked,
         }
     }
@@ -117,6 +124,8 @@ pub struct Report {
     pub first_chunk_ms: f64,
     pub rss_start_mb: f64,
     pub rss_end_mb: f64,
+    /// At the end of each lap.
+    pub rss_lap_mb: Vec<f64>,
     pub distance_m: f64,
 }
 
@@ -139,12 +148,12 @@ impl Report {
             ("distance_m", self.distance_m),
         ];
         let mut out = String::from("{\n");
-        for (i, (name, value)) in fields.iter().enumerate() {
-            let comma = if i + 1 < fields.len() { "," } else { "" };
+        for (name, value) in fields {
             let rounded = (value * 1000.0).round() / 1000.0;
-            writeln!(out, "  \"{name}\": {rounded}{comma}").expect("a string takes everything");
+            writeln!(out, "  \"{name}\": {rounded},").expect("a string takes everything");
         }
-        out + "}\n"
+        let laps: Vec<String> = self.rss_lap_mb.iter().map(|mb| format!("{mb:.1}")).collect();
+        out + &format!("  \"rss_lap_mb\": [{}]\n}}\n", laps.join(", "))
     }
 
     /// A few lines for people.

@@ -27,6 +27,7 @@ pub struct Tour {
     at: DVec2,
     seconds: f64,
     speed: Option<f64>,
+    laps: f64,
     /// The town that is walked through.
     pub town: Option<Arc<Settlement>>,
     /// The way, in plan metres.
@@ -37,7 +38,7 @@ pub struct Tour {
     pub pace: f64,
     /// Metres walked.
     pub walked: f64,
-    /// Length of the walk in metres.
+    /// Length of the walk in metres, all laps together.
     pub length: f64,
     planning: Option<Task<Result<Option<Vec<DVec2>>, LayerError>>>,
     since: Instant,
@@ -53,6 +54,7 @@ impl Tour {
             at: args.at,
             seconds: args.seconds,
             speed: args.speed,
+            laps: f64::from(args.laps),
             town: None,
             way: vec![args.at],
             on_streets: false,
@@ -67,6 +69,16 @@ impl Tour {
     /// Where the walker is, in plan metres. At the end of the way it turns and walks back.
     pub fn place(&self) -> Option<DVec2> {
         Some(point_at(&self.way, self.along().0).0).filter(|_| !self.way.is_empty())
+    }
+
+    /// Length of the walk once, in metres.
+    fn lap(&self) -> f64 {
+        self.length / self.laps
+    }
+
+    /// Laps that are done.
+    pub fn laps_done(&self) -> usize {
+        if self.length > 0.0 { (self.walked / self.lap()) as usize } else { 0 }
     }
 
     /// Metres along the way, and whether it is walked forward.
@@ -95,17 +107,17 @@ pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
     let mut start = tour.at;
     if let Some(town) = sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0)) {
         // A walk that fits: from 500 m before the outline to 500 m behind it, or at the pace that was asked for.
-        let through = 2.0 * (town.radius + 500.0);
+        let through = 2.0 * (town.radius + 500.0) * tour.laps;
         tour.pace = tour.speed.unwrap_or((through / tour.seconds).clamp(5.0, 100.0));
         tour.length = tour.pace * tour.seconds;
         let away = (tour.at - town.centre.plan()).normalize_or(DVec2::Y);
-        start = town.centre.plan() + away * (tour.length / 2.0).max(town.radius + 500.0);
+        start = town.centre.plan() + away * (tour.lap() / 2.0).max(town.radius + 500.0);
         tour.town = Some(town);
     } else {
         tour.pace = tour.speed.unwrap_or(30.0);
         tour.length = tour.pace * tour.seconds;
     }
-    tour.way = vec![start, start + DVec2::new(0.0, tour.length)];
+    tour.way = vec![start, start + DVec2::new(0.0, tour.lap())];
     tour.since = Instant::now();
     let at = sprawl.on_ground(start).unwrap_or_default();
     commands.spawn((Tourist, anchor, scene::camera(), Transform::from_translation(at + Vec3::Y * EYES)));
@@ -120,7 +132,7 @@ pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: Re
     }
     *phase = Phase::Plan;
     let (Some(world), Some(town)) = (sprawl.world().cloned(), tour.town.clone()) else { return };
-    let (from, length) = (place, tour.length);
+    let (from, length) = (place, tour.lap());
     tour.planning = Some(AsyncComputeTaskPool::get().spawn(async move { way_through(&world, &town, from, length) }));
 }
 
@@ -145,7 +157,7 @@ pub fn plan(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>) {
             let start = tour.way[0];
             let to = tour.town.as_ref().map_or(start + DVec2::Y, |t| t.centre.plan());
             let along = (to - start).normalize_or(DVec2::Y);
-            tour.way = vec![start, start + along * tour.length];
+            tour.way = vec![start, start + along * tour.lap()];
         }
         Err(error) => eprintln!("warning: no way through the town: {error}"),
     }

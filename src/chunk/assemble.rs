@@ -1,6 +1,6 @@
 //! Assembling a chunk from the layers below.
 
-use crate::chunk::{Chunk, Ground, Layers, PlacedStreet};
+use crate::chunk::{Chunk, Deck, Ground, Layers, PlacedStreet};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street};
 use crate::parcel::{Block, Footprint, Lot};
@@ -23,6 +23,7 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         lots: Vec::new(),
         footprints: Vec::new(),
         settlements: overlap.settlements,
+        decks: Vec::new(),
         unmet_ports: 0,
     };
     for found in overlap.junctions {
@@ -31,6 +32,10 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         }
     }
     for found in overlap.streets {
+        if found.it.street.bridge {
+            let height = |p| Ground::height_at(&**layers.terrain(), origin.to_plan(p));
+            chunk.decks.push(Deck::of_street(&found.it.street.moved(found.origin.offset_to(origin)), height));
+        }
         if street_owner(found.origin, &found.it.street, size) == coord {
             chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));
         } else if [found.it.street.from, found.it.street.to].iter().any(|end| own_junction(&chunk, *end)) {
@@ -107,7 +112,8 @@ impl Weigh for Chunk {
         let blocks: usize = self.blocks.iter().map(|b| 40 + b.polygon.len() * point).sum();
         let lots: usize = self.lots.iter().map(|l| 48 + l.polygon.len() * point).sum();
         let buildings: usize = self.footprints.iter().map(|f| 48 + f.polygon.len() * point).sum();
+        let decks: usize = self.decks.iter().map(|d| 64 + d.line.len() * (point + size_of::<f64>())).sum();
         let ground = self.ground.samples.len() * size_of::<crate::terrain::TerrainSample>();
-        streets + blocks + lots + buildings + ground + self.junctions.len() * size_of::<Junction>() + 256
+        streets + blocks + lots + buildings + decks + ground + self.junctions.len() * size_of::<Junction>() + 256
     }
 }

@@ -117,15 +117,14 @@ impl Layers {
         self.parcels.clear();
     }
 
-    fn kit(&self, settlement: &Settlement) -> &StyleKit {
-        // `World::new` refuses settings that name a style which the assets lack.
-        self.kits.get(&settlement.style).expect("a settlement's style is among the world's")
+    fn kit(&self, settlement: &Settlement) -> Result<&StyleKit, LayerError> {
+        self.kits.get(&settlement.style).ok_or_else(|| LayerError::UnknownStyle(settlement.style.clone()))
     }
 
     /// Main streets, main cells and seams of a settlement.
     pub fn town(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<SeamedTown>, LayerError> {
         self.towns.get(&settlement.id, || {
-            let kit = self.kit(settlement);
+            let kit = self.kit(settlement)?;
             let outline = self.settlements.outline(settlement)?;
             let gates = self.roads.gates(settlement, cancel)?;
             let town = town::plan(self.seed, settlement, &outline, gates, &kit.style, &*self.terrain, cancel)?;
@@ -139,7 +138,7 @@ impl Layers {
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
         self.streets.get(&(plan.settlement.id, cell), || {
-            let kit = self.kit(&plan.settlement);
+            let kit = self.kit(&plan.settlement)?;
             let of = &plan.cells[cell];
             let brief = CellBrief {
                 seed: self.seed,
@@ -171,7 +170,7 @@ impl Layers {
                 id: of.id,
                 border: &of.border,
                 streets: &streets,
-                rules: &self.kit(&plan.settlement).style.parcels,
+                rules: &self.kit(&plan.settlement)?.style.parcels,
                 centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)

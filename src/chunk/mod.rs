@@ -5,11 +5,13 @@
 //! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut.
 
 mod assemble;
+mod deck;
 mod ground;
 mod layers;
 
 pub use assemble::assemble;
 pub(crate) use assemble::{owner_of, street_owner};
+pub use deck::{Deck, ROAD_LIFT, junction_reach};
 pub use ground::{GROUND_STEP, Ground};
 pub use layers::{Layers, SeamedTown, StyleKit};
 
@@ -18,6 +20,7 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, Origin};
 use crate::streets::MadeBy;
+use glam::DVec2;
 use std::sync::Arc;
 
 /// A street with what made it.
@@ -54,6 +57,17 @@ pub struct Chunk {
     pub footprints: Vec<Footprint>,
     /// Settlements whose outline overlaps its square, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
+    /// Decks of the bridges that come over its square, whoever owns them.
+    pub decks: Vec<Deck>,
     /// Number of unmet ports in the main cells it owns; 0 unless a filler has a defect.
     pub unmet_ports: usize,
+}
+
+impl Chunk {
+    /// Height of what one stands on at a local point, in metres: the drawn ground, or the deck of a bridge over it. With
+    /// `below`, only decks at most that high count, so that one can be under a bridge.
+    pub fn surface(&self, local: DVec2, below: f64) -> f64 {
+        let decks = self.decks.iter().filter_map(|d| d.height(local)).filter(|h| *h <= below);
+        decks.fold(self.ground.height(local), f64::max)
+    }
 }

@@ -20,6 +20,9 @@ pub enum LayerError {
         /// The padding that this read needs, in metres.
         needed: f64,
     },
+    /// A settlement's style is not among the styles that the layers were given.
+    #[error("no style is named `{0}`")]
+    UnknownStyle(String),
 }
 
 /// A token that stops work which nobody waits for any more. Clones share one flag.

@@ -1,10 +1,10 @@
 //! Junctions: where streets meet, one surface with rounded kerbs, and the ends of these streets up to where their owners
 //! go on.
 
-use crate::chunk::Chunk;
+use crate::chunk::{Chunk, ROAD_LIFT as LIFT, junction_reach};
 use crate::mesh::buffers::MeshBuffers;
 use crate::mesh::drape::Surface;
-use crate::mesh::ribbon::{LIFT, beside, carriageway_colour, corner, ribbon, stub};
+use crate::mesh::ribbon::{beside, carriageway_colour, corner, ribbon};
 use crate::network::{Junction, Street};
 use crate::space::{cross, cut_line, line_length, math::angle_of, segment_crossing};
 use glam::DVec2;
@@ -100,7 +100,7 @@ fn spoke(street: &Street, begins: bool) -> Option<Spoke<'_>> {
     if length < 0.5 || street.tunnel {
         return None;
     }
-    let end = stub(street);
+    let end = junction_reach(street);
     let line = if begins {
         cut_line(&street.line, 0.0, end)
     } else {

@@ -1,13 +1,11 @@
 //! Streets between their junctions: carriageway, pavements, kerbs and markings along a centre line; bridges.
 
+use crate::chunk::{Deck, ROAD_LIFT as LIFT, junction_reach};
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Surface;
 use crate::network::{Street, StreetClass};
-use crate::space::{cut_line, left_normal, line_length, point_at, resample};
+use crate::space::{cut_line, left_normal, line_length, point_at};
 use glam::{DVec2, DVec3};
-
-/// Height of the carriageway above the drawn ground, in metres.
-pub(super) const LIFT: f64 = 0.1;
 
 /// Height of the pavement above the carriageway.
 pub(super) const KERB: f64 = 0.12;
@@ -31,12 +29,6 @@ const DASH: (f64, f64) = (3.0, 9.0);
 
 /// Half the width of the centre line's dashes.
 const DASH_HALF: f64 = 0.08;
-
-/// Length of a street at its ends, in metres, that the owner of the junction draws: it knows where the streets that meet
-/// there part, and the owner of the street need not.
-pub(super) fn stub(street: &Street) -> f64 {
-    (street.length() * 0.4).min(18.0)
-}
 
 pub(super) fn carriageway_colour(class: StreetClass) -> Rgb {
     if class.is_road() { ROAD } else { ASPHALT }
@@ -125,15 +117,16 @@ pub(super) fn corner(surface: &mut Surface<'_>, out: &mut MeshBuffers, inner: &[
 
 /// A street between the parts that its junctions' owners draw.
 pub(super) fn street(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &Street) {
-    let (length, end) = (street.length(), stub(street));
+    let (length, end) = (street.length(), junction_reach(street));
     if length < 0.5 || street.tunnel {
         return;
     }
-    let line = cut_line(&street.line, end, length - end);
     if street.bridge {
-        bridge(surface, out, &line, street.class);
+        let deck = Deck::of_street(street, |p| surface.height(p));
+        bridge(surface, out, &deck, street.class);
         return;
     }
+    let line = cut_line(&street.line, end, length - end);
     ribbon(surface, out, &line, street.class);
     if street.class == StreetClass::Local {
         return;
@@ -156,7 +149,8 @@ pub(super) fn far_street(surface: &mut Surface<'_>, out: &mut MeshBuffers, stree
     }
     let half = street.class.half_width();
     if street.bridge {
-        bridge(surface, out, &street.line, street.class);
+        let deck = Deck::along(&street.line, street.class, |p| surface.height(p));
+        bridge(surface, out, &deck, street.class);
         return;
     }
     let (left, right) = (beside(&street.line, half), beside(&street.line, -half));
@@ -171,28 +165,18 @@ pub(super) fn far_street(surface: &mut Surface<'_>, out: &mut MeshBuffers, stree
 const DECK: f64 = 0.9;
 const PARAPET: f64 = 1.0;
 
-/// A bridge: a deck on piers that runs straight from the height of one end to that of the other, higher only where the
-/// ground between is.
-fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, line: &[DVec2], class: StreetClass) {
-    let line = resample(line, 8.0);
-    let outer = class.half_width();
-    let (left, right) = (beside(&line, outer), beside(&line, -outer));
-    let (inner_left, inner_right) = (beside(&line, outer - 0.3), beside(&line, 0.3 - outer));
-    let length = line_length(&line).max(1e-3);
-    let ends = [line[0], line[line.len() - 1]].map(|p| surface.height(p) + LIFT);
-    let (mut along, mut heights) = (0.0, Vec::with_capacity(line.len()));
-    for (i, &p) in line.iter().enumerate() {
-        along += if i > 0 { p.distance(line[i - 1]) } else { 0.0 };
-        let ground = [left[i], p, right[i]].map(|q| surface.height(q)).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(ground + LIFT));
-    }
-    let deck = carriageway_colour(class);
+/// A bridge: its deck with parapets, on piers.
+fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, deck: &Deck, class: StreetClass) {
+    let Deck { line, heights, half_width: outer } = deck;
+    let (left, right) = (beside(line, *outer), beside(line, -outer));
+    let (inner_left, inner_right) = (beside(line, outer - 0.3), beside(line, 0.3 - outer));
+    let carriageway = carriageway_colour(class);
     for i in 0..line.len() - 1 {
         let at = |side: &[DVec2], k: usize, up: f64| side[i + k].extend(heights[i + k] + up);
         let quad = |out: &mut MeshBuffers, a: (&[DVec2], f64), b: (&[DVec2], f64), colour| {
             out.face(&[at(a.0, 0, a.1), at(a.0, 1, a.1), at(b.0, 1, b.1), at(b.0, 0, b.1)], colour);
         };
-        quad(out, (&inner_right, 0.0), (&inner_left, 0.0), deck);
+        quad(out, (&inner_right, 0.0), (&inner_left, 0.0), carriageway);
         quad(out, (&left, -DECK), (&right, -DECK), CONCRETE);
         for (outer, inner, flip) in [(&right, &inner_right, false), (&left, &inner_left, true)] {
             let mut quad = |a: (&[DVec2], f64), b: (&[DVec2], f64)| {
@@ -203,7 +187,7 @@ fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, line: &[DVec2], clas
             quad((inner, PARAPET), (inner, 0.0));
         }
         if i % 3 == 2 {
-            pier(surface, out, &line, i, heights[i] - DECK, outer * 0.6);
+            pier(surface, out, line, i, heights[i] - DECK, outer * 0.6);
         }
     }
 }

@@ -57,14 +57,22 @@ impl Sprawl<'_, '_> {
         self.origin.to_bevy(p, height)
     }
 
-    /// Bevy point on the ground at a plan point.
+    /// Bevy point on the ground at a plan point, or on the deck of a bridge over it where the chunk is there.
     pub fn on_ground(&self, p: DVec2) -> Option<Vec3> {
-        Some(self.to_bevy(p, self.world()?.height_at(p)))
+        Some(self.to_bevy(p, self.surface(p, f64::INFINITY)?))
     }
 
-    /// Height of the drawn ground below or above a Bevy point.
+    /// Height of what one stands on at a Bevy point: the drawn ground below or above it or, where the chunk is there, the
+    /// deck of a bridge that is below it or at most a step of half a metre above.
     pub fn height(&self, p: Vec3) -> Option<f32> {
-        Some(self.world()?.height_at(self.to_plan(p)) as f32)
+        Some(self.surface(self.to_plan(p), f64::from(p.y) + STEP)? as f32)
+    }
+
+    fn surface(&self, p: DVec2, below: f64) -> Option<f64> {
+        let world = self.world()?;
+        let coord = ChunkCoord::containing(p, world.settings().chunk_size);
+        let there = self.data(coord).map(|ChunkData(chunk)| chunk.surface(chunk.origin.to_local(p), below));
+        Some(there.unwrap_or_else(|| world.height_at(p)))
     }
 
     /// Name of the chunk at a Bevy point.
@@ -117,6 +125,9 @@ impl Sprawl<'_, '_> {
         spawn_point(self.world()?, *self.origin, self.to_plan(near))
     }
 }
+
+/// How far up one steps onto a bridge, in metres.
+const STEP: f64 = 0.5;
 
 /// Distance within which a street is near, in metres.
 const NEAR: f64 = 150.0;

@@ -66,7 +66,8 @@ pub(super) struct SourcePlugin {
 
 impl Plugin for SourcePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<SprawlWorld>()
+        app.register_type::<Settings>()
+            .init_resource::<SprawlWorld>()
             .insert_resource(Making { hold: self.wait_for_assets, task: None, wanted: false })
             .add_message::<WorldChanged>()
             .add_message::<WorldRejected>()

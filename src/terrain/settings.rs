@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Settings of [`NoiseTerrain`](super::NoiseTerrain). Lengths and heights in metres; shares 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct TerrainSettings {
     /// Share of the plan that is sea: 0 to 0.8.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// All settings of a world. Everything has a default; a RON file names only what differs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// Edge of a chunk in metres: a multiple of 64.
@@ -36,6 +37,7 @@ impl Default for Settings {
 
 /// Bounds of what is kept in memory, in MiB. They change speed, never the world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSettings {
     /// Settlements and roads.

@@ -40,6 +40,10 @@ pub struct SprawlFolder {
     waiting: BTreeSet<String>,
     listing: Option<Task<Result<Listing, FileError>>>,
     list: bool,
+    /// When it was last looked at, in seconds of real time.
+    looked: f32,
+    /// Why it could not be listed the last time.
+    unlisted: Option<FileError>,
     /// Something has been loaded since the assets were handed over.
     changed: bool,
 }
@@ -60,11 +64,13 @@ impl SprawlFolder {
             waiting: BTreeSet::new(),
             listing: None,
             list: true,
+            looked: 0.0,
+            unlisted: None,
             changed: true,
         }
     }
 
-    /// Looks for files that have come or gone. (Files that are known are reloaded without it.)
+    /// Looks for files that have come or gone. Where the asset server watches files, the plugin does so by itself.
     pub fn rescan(&mut self) {
         self.list = true;
     }
@@ -75,16 +81,22 @@ impl SprawlFolder {
     }
 }
 
+/// Seconds between two looks at a folder that is watched: the asset server tells of files that change, not of new ones.
+const LOOK_EVERY: f32 = 1.0;
+
 /// Lists the folder, and starts to load the files in it.
 pub(super) fn list_files(
     mut commands: Commands,
+    time: Option<Res<Time<Real>>>,
     mut folder: ResMut<SprawlFolder>,
     server: Res<AssetServer>,
     mut rejected: MessageWriter<AssetRejected>,
 ) {
     let folder = &mut *folder;
+    let seconds = time.map_or(0.0, |t| t.elapsed_secs());
+    folder.list |= server.watching_for_changes() && seconds - folder.looked > LOOK_EVERY;
     if folder.list && folder.listing.is_none() {
-        folder.list = false;
+        (folder.list, folder.looked) = (false, seconds);
         let (server, path) = (server.clone(), folder.path.clone());
         folder.listing = Some(IoTaskPool::get().spawn(async move { listing(&server, &path).await }));
     }
@@ -92,11 +104,13 @@ pub(super) fn list_files(
     folder.listing = None;
     match listing {
         Ok(Listing { styles, patches }) => {
-            load(&mut folder.styles, &mut folder.waiting, &server, styles);
-            load(&mut folder.patch_sets, &mut folder.waiting, &server, patches);
-            folder.changed = true;
+            folder.unlisted = None;
+            folder.changed |= load(&mut folder.styles, &mut folder.waiting, &server, styles);
+            folder.changed |= load(&mut folder.patch_sets, &mut folder.waiting, &server, patches);
         }
+        Err(error) if folder.unlisted.as_ref() == Some(&error) => {}
         Err(error) => {
+            folder.unlisted = Some(error.clone());
             error!("{error}; the bundled styles and patch sets are used");
             reject(&mut commands, &mut rejected, error);
         }
@@ -130,13 +144,14 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
     }
 }
 
-/// Loads the files that are new, and forgets those that are gone.
+/// Loads the files that are new, and forgets those that are gone; says whether there were any.
 fn load<A: Asset>(
     known: &mut BTreeMap<String, Handle<A>>,
     waiting: &mut BTreeSet<String>,
     server: &AssetServer,
     files: BTreeSet<String>,
-) {
+) -> bool {
+    let same = known.keys().eq(&files);
     known.retain(|path, _| files.contains(path));
     for path in files {
         known.entry(path.clone()).or_insert_with(|| {
@@ -144,6 +159,7 @@ fn load<A: Asset>(
             server.load(path)
         });
     }
+    !same
 }
 
 /// Notices what has been loaded for the first time or again.

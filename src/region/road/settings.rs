@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Settings of roads, one set per class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSettings {
     /// Spacing in metres of the lattice that courses of roads run on: 64 to 512.
@@ -20,6 +21,7 @@ pub struct RoadSettings {
 
 /// Settings of one class of roads. Costs are in metres of flat open ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct TierSettings {
     /// Greatest beeline in metres between settlements that are tried: 500 to 60,000.

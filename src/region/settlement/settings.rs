@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A value for each size class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub struct PerSize<T> {
     /// Of cities.
@@ -34,6 +35,7 @@ impl<T> PerSize<T> {
 
 /// Settings of settlements. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct SettlementSettings {
     /// Edge of a lattice cell, each of which holds at most one settlement: from 2.5 times the greatest radius plus 200 m,

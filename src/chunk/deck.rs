@@ -1,0 +1,96 @@
+//! Decks of bridges: what one stands on where there is no ground underfoot.
+
+use crate::network::{Street, StreetClass};
+use crate::space::{closest_on_segment, cut_line, left_normal, line_length, resample};
+use glam::DVec2;
+
+/// Height of a carriageway above the drawn ground at its ends, in metres.
+pub const ROAD_LIFT: f64 = 0.1;
+
+/// Distance between the points of a deck's line, in metres.
+const DECK_STEP: f64 = 8.0;
+
+/// Length of a street at each of its ends, in metres, that belongs to the junction there: it lies on the ground, and a
+/// bridge's deck begins behind it.
+pub fn junction_reach(street: &Street) -> f64 {
+    (street.length() * 0.4).min(18.0)
+}
+
+/// The deck of a bridge: it runs straight from the height of one end to that of the other, higher only where the ground
+/// between is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deck {
+    /// Centre line, local to the chunk.
+    pub line: Vec<DVec2>,
+    /// Height of the carriageway at each point of the line, in metres.
+    pub heights: Vec<f64>,
+    /// Half of its width in metres.
+    pub half_width: f64,
+}
+
+impl Deck {
+    /// The deck of a bridge between the parts that belong to the junctions at its ends. `ground` is the height of the drawn
+    /// ground at a local point.
+    pub fn of_street(street: &Street, ground: impl FnMut(DVec2) -> f64) -> Self {
+        let (length, end) = (street.length(), junction_reach(street));
+        Self::along(&cut_line(&street.line, end, length - end), street.class, ground)
+    }
+
+    /// The deck along a line of at least two points.
+    pub fn along(line: &[DVec2], class: StreetClass, mut ground: impl FnMut(DVec2) -> f64) -> Self {
+        let (line, half_width) = (resample(line, DECK_STEP), class.half_width());
+        let last = line.len() - 1;
+        let ends = [line[0], line[last]].map(|p| ground(p) + ROAD_LIFT);
+        let length = line_length(&line).max(1e-3);
+        let (mut along, mut heights) = (0.0, Vec::with_capacity(line.len()));
+        for (i, &p) in line.iter().enumerate() {
+            along += if i > 0 { p.distance(line[i - 1]) } else { 0.0 };
+            let way = (line[(i + 1).min(last)] - line[i.max(1) - 1]).normalize_or_zero();
+            let across = left_normal(way) * half_width;
+            let highest = [across, DVec2::ZERO, -across].map(|q| ground(p + q)).into_iter().fold(f64::MIN, f64::max);
+            heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(highest + ROAD_LIFT));
+        }
+        Self { line, heights, half_width }
+    }
+
+    /// Height of the deck at a local point, if the point lies on it.
+    pub fn height(&self, p: DVec2) -> Option<f64> {
+        let mut best: Option<(f64, f64)> = None;
+        for (line, heights) in self.line.windows(2).zip(self.heights.windows(2)) {
+            let (t, at) = closest_on_segment(p, line[0], line[1]);
+            let off = at.distance(p);
+            if off <= self.half_width && best.is_none_or(|(least, _)| off < least) {
+                best = Some((off, heights[0] + (heights[1] - heights[0]) * t));
+            }
+        }
+        best.map(|(_, height)| height)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::{JunctionId, StreetId};
+
+    #[test]
+    fn a_deck_runs_from_bank_to_bank_above_the_ground() {
+        // A valley 20 m deep with an island that is higher than the banks.
+        let ground = |p: DVec2| match p.x {
+            x if (30.0..90.0).contains(&x) => 80.0,
+            x if (90.0..110.0).contains(&x) => 104.0,
+            x if (110.0..170.0).contains(&x) => 80.0,
+            _ => 100.0 + p.x * 0.01,
+        };
+        let line = vec![DVec2::ZERO, DVec2::X * 200.0];
+        let street =
+            Street { bridge: true, ..Street::new(StreetId(1), StreetClass::Minor, JunctionId(1), JunctionId(2), line) };
+        let deck = Deck::of_street(&street, ground);
+        let reach = junction_reach(&street);
+        let at = |x: f64, y: f64| deck.height(DVec2::new(x, y));
+        assert!((at(reach + 0.01, 0.0).unwrap() - ground(DVec2::X * reach) - ROAD_LIFT).abs() < 0.01);
+        assert!((at(60.0, 2.0).unwrap() - 100.7).abs() < 0.2, "{:?}", at(60.0, 2.0));
+        assert_eq!(at(100.0, 0.0), Some(104.0 + ROAD_LIFT));
+        assert_eq!(at(60.0, StreetClass::Minor.half_width() + 0.1), None);
+        assert_eq!(at(200.0, 0.0), None, "the junction's part lies on the ground");
+    }
+}
