@@ -158,7 +158,8 @@ fn folder(name: &str) -> PathBuf {
 fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
     let root = folder("reload");
     let watch_for_changes_override = Some(true);
-    let assets = AssetPlugin { file_path: root.to_string_lossy().into_owned(), watch_for_changes_override, ..default() };
+    let assets =
+        AssetPlugin { file_path: root.to_string_lossy().into_owned(), watch_for_changes_override, ..default() };
     let mut app = app(SprawlPlugin::new(42).assets_from("sprawl"), assets);
     let rejected: Arc<Mutex<Vec<AssetRejected>>> = Arc::default();
     let remade: Arc<Mutex<Vec<ChunkCoord>>> = Arc::default();

@@ -3,7 +3,7 @@
 use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::region::SizeClass;
-use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, stable_hash};
+use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::world::{Fault, Settings, World, WorldAssets, audit, unreached_gates};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -154,4 +154,27 @@ fn the_audit_sees_what_is_wrong() {
         f.it.polygon.iter_mut().for_each(|p| *p += DVec2::splat(15.0));
     }
     assert!(audit(&moved).iter().any(|f| f.what == Fault::BuildingOnStreet));
+}
+
+#[test]
+fn one_stands_on_bridges_and_under_them() {
+    let world = world(31, &Settings::default());
+    let mut stood = 0;
+    for road in
+        world.roads().overlapping(Bounds::square(DVec2::new(9_000.0, -4_000.0), 16_000.0), &Cancel::new()).unwrap()
+    {
+        if !road.street.bridge || road.street.length() < 60.0 {
+            continue;
+        }
+        let middle = road.origin.to_plan(point_at(&road.street.line, road.street.length() / 2.0).0);
+        let coord = ChunkCoord::containing(middle, world.settings().chunk_size);
+        let chunk = world.chunk(coord, &Cancel::new()).unwrap();
+        let local = chunk.origin.to_local(middle);
+        let (deck, bed) = (chunk.surface(local, f64::INFINITY), chunk.ground.height(local));
+        assert!(deck > bed && deck > world.terrain().sample(middle).water_level, "{middle}: {deck} {bed}");
+        assert_eq!(chunk.surface(local, bed), bed);
+        assert!((bed - world.height_at(middle)).abs() < 1e-9);
+        stood += 1;
+    }
+    assert!(stood > 3, "{stood}");
 }

@@ -11,21 +11,8 @@ use glam::DVec2;
 pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
     let overlap = layers.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
-    let mut chunk = Chunk {
-        coord,
-        origin,
-        size,
-        ground: Ground::new(&**layers.terrain(), origin, size),
-        junctions: Vec::new(),
-        streets: Vec::new(),
-        arriving: Vec::new(),
-        blocks: Vec::new(),
-        lots: Vec::new(),
-        footprints: Vec::new(),
-        settlements: overlap.settlements,
-        decks: Vec::new(),
-        unmet_ports: 0,
-    };
+    let ground = Ground::new(&**layers.terrain(), origin, size);
+    let mut chunk = Chunk { settlements: overlap.settlements, ..Chunk::empty(coord, size, ground) };
     for found in overlap.junctions {
         if owner_of(found.origin, found.it.at, size) == coord {
             chunk.junctions.push(Junction { at: found.it.at + found.origin.offset_to(origin), ..found.it });

@@ -64,6 +64,25 @@ pub struct Chunk {
 }
 
 impl Chunk {
+    /// A chunk of edge `size` metres that owns nothing.
+    pub(crate) fn empty(coord: ChunkCoord, size: i64, ground: Ground) -> Self {
+        Self {
+            coord,
+            origin: coord.origin(size),
+            size,
+            ground,
+            junctions: Vec::new(),
+            streets: Vec::new(),
+            arriving: Vec::new(),
+            blocks: Vec::new(),
+            lots: Vec::new(),
+            footprints: Vec::new(),
+            settlements: Vec::new(),
+            decks: Vec::new(),
+            unmet_ports: 0,
+        }
+    }
+
     /// Height of what one stands on at a local point, in metres: the drawn ground, or the deck of a bridge over it. With
     /// `below`, only decks at most that high count, so that one can be under a bridge.
     pub fn surface(&self, local: DVec2, below: f64) -> f64 {

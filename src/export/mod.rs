@@ -17,7 +17,7 @@ use crate::chunk::{PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, StreetClass};
 use crate::region::Outline;
-use crate::space::{Bounds, Origin};
+use crate::space::Bounds;
 use crate::terrain::Terrain;
 use crate::world::{Area, Owned, World};
 use std::collections::BTreeMap;
@@ -54,19 +54,8 @@ pub fn outlines(world: &World, area: &Area) -> Result<Vec<Arc<Outline>>, LayerEr
 /// The settlements and roads that overlap `bounds` (plan metres), without streets, blocks and buildings: what a map of
 /// a whole region shows.
 pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
-    let origin = Origin::at(bounds.centre());
-    let size = world.settings().chunk_size;
-    let mut area = Area {
-        origin,
-        bounds,
-        streets: Vec::new(),
-        junctions: Vec::new(),
-        blocks: Vec::new(),
-        lots: Vec::new(),
-        footprints: Vec::new(),
-        settlements: Vec::new(),
-        unmet_ports: 0,
-    };
+    let mut area = Area::empty(bounds);
+    let (origin, size) = (area.origin, world.settings().chunk_size);
     let mut junctions = BTreeMap::new();
     for road in world.roads().overlapping(bounds, cancel)? {
         let street = road.street.moved(road.origin.offset_to(origin));

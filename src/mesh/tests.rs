@@ -23,21 +23,7 @@ impl Terrain for Hills {
 
 fn empty(coord: ChunkCoord, terrain: &dyn Terrain) -> Chunk {
     let size = 512;
-    let origin = coord.origin(size);
-    Chunk {
-        coord,
-        origin,
-        size,
-        ground: Ground::new(terrain, origin, size),
-        junctions: vec![],
-        streets: vec![],
-        arriving: vec![],
-        blocks: vec![],
-        lots: vec![],
-        footprints: vec![],
-        settlements: vec![],
-        unmet_ports: 0,
-    }
+    Chunk::empty(coord, size, Ground::new(terrain, coord.origin(size), size))
 }
 
 /// A chunk that owns a random cell of `pitch` metres between streets, with every street's junctions.

@@ -41,20 +41,25 @@ pub struct Area {
 }
 
 impl Area {
-    pub(super) fn gather(layers: &Layers, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
-        let origin = Origin::at(bounds.centre());
-        let overlap = layers.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
-        let mut area = Self {
-            origin,
+    /// Nothing in a box (plan metres), around whose middle positions are local.
+    pub(crate) fn empty(bounds: Bounds) -> Self {
+        Self {
+            origin: Origin::at(bounds.centre()),
             bounds,
             streets: Vec::new(),
             junctions: Vec::new(),
             blocks: Vec::new(),
             lots: Vec::new(),
             footprints: Vec::new(),
-            settlements: overlap.settlements,
+            settlements: Vec::new(),
             unmet_ports: 0,
-        };
+        }
+    }
+
+    pub(super) fn gather(layers: &Layers, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
+        let overlap = layers.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
+        let mut area = Self { settlements: overlap.settlements, ..Self::empty(bounds) };
+        let origin = area.origin;
         for found in overlap.streets {
             let chunk = street_owner(found.origin, &found.it.street, size);
             area.streets.push(Owned { chunk, it: found.it.moved(found.origin.offset_to(origin)) });

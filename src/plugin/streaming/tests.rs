@@ -66,21 +66,8 @@ impl ChunkMaker for Fake {
             }
         }
         self.made.fetch_add(1, Ordering::Relaxed);
-        let origin = coord.origin(self.size);
-        Ok(Arc::new(Chunk {
-            coord,
-            origin,
-            size: self.size,
-            ground: Ground { cells: 1, samples: vec![Flat.sample(DVec2::ZERO); 4] },
-            junctions: vec![],
-            streets: vec![],
-            arriving: vec![],
-            blocks: vec![],
-            lots: vec![],
-            footprints: vec![],
-            settlements: vec![],
-            unmet_ports: 0,
-        }))
+        let ground = Ground { cells: 1, samples: vec![Flat.sample(DVec2::ZERO); 4] };
+        Ok(Arc::new(Chunk::empty(coord, self.size, ground)))
     }
 
     fn mesh(&self, chunk: &Chunk, _: Detail, _: &Cancel) -> Result<ChunkMesh, LayerError> {
