@@ -23,7 +23,8 @@ impl Ground {
         let cells = (size as f64 / GROUND_STEP) as usize;
         let at =
             |i: usize| origin.to_plan(DVec2::new((i % (cells + 1)) as f64, (i / (cells + 1)) as f64) * GROUND_STEP);
-        Self { cells, samples: (0..(cells + 1) * (cells + 1)).map(|i| terrain.sample(at(i))).collect() }
+        let mut scan = terrain.scan();
+        Self { cells, samples: (0..(cells + 1) * (cells + 1)).map(|i| scan(at(i))).collect() }
     }
 
     /// The vertex at a column and row, 0 to `cells`.

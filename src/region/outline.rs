@@ -1,6 +1,6 @@
 //! Outlines of settlements: star-shaped polygons that noise, water, steep ground and neighbours give their form.
 
-use super::settlement::site::{SHORE, ray};
+use super::settlement::site::{Course, SHORE, ray};
 use crate::region::Settlement;
 use crate::space::{Bounds, Origin, Seed, distance_to_segment, math, point_in_polygon, quantize, signed_area};
 use crate::terrain::Terrain;
@@ -62,7 +62,7 @@ impl Outline {
         neighbours: &[impl AsRef<Settlement>],
     ) -> Self {
         let radius = settlement.radius;
-        let rays = ((TAU * radius / SPACING).ceil() as usize).max(24);
+        let rays = ((TAU * radius / SPACING / 4.0).ceil() as usize * 4).max(24);
         let ways: Vec<DVec2> = (0..rays).map(|i| math::direction(i as f64 / rays as f64 * TAU)).collect();
         let mut reach = natural_reach(seed, terrain, max_slope, settlement, &ways);
         for other in neighbours.iter().map(AsRef::as_ref).filter(|n| n.id != settlement.id) {
@@ -94,14 +94,33 @@ fn natural_reach(seed: Seed, terrain: &dyn Terrain, max_slope: f64, of: &Settlem
     // Harmonics of the circle; their amplitudes sum to at most 1.
     let waves = [(2.0, 0.4), (3.0, 0.3), (4.0, 0.2), (7.0, 0.1)]
         .map(|(k, most)| (k, most * stream.range(0.3, 1.0), stream.range(0.0, TAU)));
-    let centre = of.centre.plan();
-    let reach = ways.iter().enumerate().map(|(i, way)| {
-        let angle = i as f64 / ways.len() as f64 * TAU;
-        let noise: f64 = waves.iter().map(|(k, amplitude, phase)| amplitude * math::cos(k * angle + phase)).sum();
-        let limit = of.radius * (ROUND.0 + ROUND.1 * noise).min(0.995);
-        ray(terrain, centre, *way, limit, max_slope).reach
-    });
-    reach.collect()
+    let (centre, mut ground) = (of.centre.plan(), terrain.scan());
+    let limits: Vec<f64> = (0..ways.len())
+        .map(|i| {
+            let angle = i as f64 / ways.len() as f64 * TAU;
+            let noise: f64 = waves.iter().map(|(k, amplitude, phase)| amplitude * math::cos(k * angle + phase)).sum();
+            of.radius * (ROUND.0 + ROUND.1 * noise).min(0.995)
+        })
+        .collect();
+    // Near the centre rays are close together: there every fourth, then every second, is followed for all.
+    let mut reach = limits.clone();
+    for (first, every, from) in [(0, 4, 0.0), (2, 4, 0.25), (1, 2, 0.5)] {
+        for i in (first..ways.len()).step_by(every) {
+            let (way, limit) = (ways[i], limits[i]);
+            let beside = [i + every / 2, i + ways.len() - every / 2].map(|k| reach[k % ways.len()]);
+            let (least, mut from) = (beside[0].min(beside[1]), from * limit);
+            if from > 0.0 && least < from {
+                reach[i] = least;
+                continue;
+            }
+            if from > 0.0 && ground(centre + way * from).depth() > 0.0 {
+                from = 0.0;
+            }
+            let course = Course { centre, way, from, limit, fine: f64::INFINITY };
+            reach[i] = ray(&mut ground, course, max_slope).reach;
+        }
+    }
+    reach
 }
 
 /// Takes spikes off: no radius is much greater than its neighbours', none greater than it was.

@@ -29,6 +29,56 @@ fn floor(x: f64) -> i64 {
     toward_zero - i64::from(x < toward_zero as f64)
 }
 
+/// Where octaves take the gradients at the corners of their cells from.
+pub(super) trait Corners {
+    /// Gradients at the south-west, south-east, north-west and north-east corner of cell (x, y) of an octave.
+    fn of(&mut self, seed: u64, x: i64, y: i64) -> [DVec2; 4];
+}
+
+/// Computes them.
+pub(super) struct Fresh;
+
+impl Corners for Fresh {
+    #[inline(always)]
+    fn of(&mut self, seed: u64, x: i64, y: i64) -> [DVec2; 4] {
+        let (x, y) = ((x as u64).wrapping_mul(MIX[0]), (y as u64).wrapping_mul(MIX[1]));
+        let (x1, y1) = (x.wrapping_add(MIX[0]), y.wrapping_add(MIX[1]) ^ seed);
+        let y = y ^ seed;
+        [corner(x, y), corner(x1, y), corner(x, y1), corner(x1, y1)]
+    }
+}
+
+/// Remembers those of the cell that each octave was asked in last: points near each other mostly lie in the same cells.
+pub(super) struct Remembered(Vec<Held>);
+
+#[derive(Clone, Copy)]
+struct Held {
+    seed: u64,
+    cell: [i64; 2],
+    corners: [DVec2; 4],
+}
+
+/// Places in which octaves are remembered, by their seeds; some thirty times as many as there are octaves.
+const PLACES: usize = 1024;
+
+impl Remembered {
+    pub fn new() -> Self {
+        // No cell of an octave is ever so far out.
+        Self(vec![Held { seed: 0, cell: [i64::MIN; 2], corners: [DVec2::ZERO; 4] }; PLACES])
+    }
+}
+
+impl Corners for Remembered {
+    #[inline(always)]
+    fn of(&mut self, seed: u64, x: i64, y: i64) -> [DVec2; 4] {
+        let held = &mut self.0[seed as usize % PLACES];
+        if held.seed != seed || held.cell != [x, y] {
+            *held = Held { seed, cell: [x, y], corners: Fresh.of(seed, x, y) };
+        }
+        held.corners
+    }
+}
+
 /// One octave of gradient noise, mostly within -0.7..0.7 and never beyond -2.5..2.5, 0 on average, on a lattice of its own heading and place.
 #[derive(Clone, Debug)]
 pub(super) struct Octave {
@@ -52,24 +102,22 @@ impl Octave {
     }
 
     /// Value at a plan point.
-    pub fn at(&self, p: DVec2) -> f64 {
-        self.evaluate(p).0
+    pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        self.evaluate(p, corners).0
     }
 
     /// Value and its gradient per metre at a plan point.
-    pub fn with_gradient(&self, p: DVec2) -> (f64, DVec2) {
-        self.evaluate(p)
+    pub fn with_gradient(&self, p: DVec2, corners: &mut impl Corners) -> (f64, DVec2) {
+        self.evaluate(p, corners)
     }
 
     // Inlined into both callers: the one that wants no gradient then does not compute it.
     #[inline(always)]
-    fn evaluate(&self, p: DVec2) -> (f64, DVec2) {
+    fn evaluate(&self, p: DVec2, corners: &mut impl Corners) -> (f64, DVec2) {
         let q = self.east * p.x + self.north * p.y + self.offset;
         let (x, y) = (floor(q.x), floor(q.y));
         let f = DVec2::new(q.x - x as f64, q.y - y as f64);
-        let (x, y) = ((x as u64).wrapping_mul(MIX[0]), (y as u64).wrapping_mul(MIX[1]) ^ self.seed);
-        let (x1, y1) = (x.wrapping_add(MIX[0]), (y ^ self.seed).wrapping_add(MIX[1]) ^ self.seed);
-        let (ga, gb, gc, gd) = (corner(x, y), corner(x1, y), corner(x, y1), corner(x1, y1));
+        let [ga, gb, gc, gd] = corners.of(self.seed, x, y);
         let (a, b) = (ga.dot(f), gb.dot(f - DVec2::X));
         let (c, d) = (gc.dot(f - DVec2::Y), gd.dot(f - DVec2::ONE));
         // Quintic weights and their derivatives.
@@ -117,16 +165,16 @@ impl Fractal {
     }
 
     /// Value at a plan point.
-    pub fn at(&self, p: DVec2) -> f64 {
-        self.octaves.iter().map(|(o, w)| o.at(p) * w).sum()
+    pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        self.octaves.iter().map(|(o, w)| o.at(p, corners) * w).sum()
     }
 
     /// Ridged sum, 0 to 1: crests where octaves cross zero, each octave stronger on the crests of the one before, so
     /// that valley floors are smooth.
-    pub fn ridged_at(&self, p: DVec2) -> f64 {
+    pub fn ridged_at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
         let (mut sum, mut carry) = (0.0, 1.0);
         for (octave, weight) in &self.octaves {
-            let n = octave.at(p) * 1.7;
+            let n = octave.at(p, corners) * 1.7;
             // Rounded, so that a crest is a few metres wide and not a knife's edge.
             let crest = 1.0 - (n * n + 0.002).sqrt().min(1.0);
             let crest = crest * crest * carry;
@@ -145,10 +193,10 @@ mod tests {
     fn fields_are_smooth_everywhere_and_do_not_repeat() {
         let octave = Octave::new(Seed(3), 1, 100.0);
         for origin in [0.0, -7e5, 5e8, 1e12] {
-            let mut last = octave.at(DVec2::new(origin, -origin));
+            let mut last = octave.at(DVec2::new(origin, -origin), &mut Fresh);
             let mut sum = 0.0;
             for i in 1..4000 {
-                let v = octave.at(DVec2::new(origin + i as f64, -origin));
+                let v = octave.at(DVec2::new(origin + i as f64, -origin), &mut Fresh);
                 assert!((v - last).abs() < 0.05, "{origin} {i}: {last} {v}");
                 sum += v * v;
                 last = v;
@@ -159,7 +207,7 @@ mod tests {
         let period = octave.east * (256.0 * 100.0 * 100.0);
         let same = (0..100).filter(|i| {
             let p = DVec2::new(f64::from(*i) * 37.0, 5.0);
-            (octave.at(p) - octave.at(p + period)).abs() < 1e-6
+            (octave.at(p, &mut Fresh) - octave.at(p + period, &mut Fresh)).abs() < 1e-6
         });
         assert!(same.count() < 5);
     }
@@ -169,8 +217,8 @@ mod tests {
         let octave = Octave::new(Seed(8), 2, 50.0);
         for i in 0..500 {
             let p = DVec2::new(f64::from(i) * 13.7, f64::from(i) * -7.3);
-            let (_, g) = octave.with_gradient(p);
-            let along = |d: DVec2| (octave.at(p + d * 1e-3) - octave.at(p - d * 1e-3)) / 2e-3;
+            let (_, g) = octave.with_gradient(p, &mut Fresh);
+            let along = |d: DVec2| (octave.at(p + d * 1e-3, &mut Fresh) - octave.at(p - d * 1e-3, &mut Fresh)) / 2e-3;
             assert!(g.distance(DVec2::new(along(DVec2::X), along(DVec2::Y))) < 1e-6);
         }
     }

@@ -1,7 +1,7 @@
 //! Lakes: basins on a jittered lattice, each with a level of its own and a rim above it.
 
 use super::TerrainSettings;
-use super::field::{Octave, draw};
+use super::field::{Corners, Octave, draw};
 use super::noise::Shape;
 use crate::layer::{LayerCache, LayerError, Weigh};
 use crate::space::{Seed, math};
@@ -121,7 +121,13 @@ impl Lakes {
     }
 
     /// Height and water level at `p` once lakes are laid into the ground `shape`; `ground` gives it elsewhere.
-    pub fn lay(&self, p: DVec2, shape: &Shape, ground: impl Fn(DVec2) -> Shape) -> (f64, f64) {
+    pub fn lay(
+        &self,
+        p: DVec2,
+        shape: &Shape,
+        corners: &mut impl Corners,
+        ground: impl Fn(DVec2) -> Shape,
+    ) -> (f64, f64) {
         let dry = (shape.height, shape.table);
         let cell = (p / self.spacing).floor().as_i64vec2().to_array();
         let Some(basin) = self.basin(cell) else { return dry };
@@ -134,7 +140,7 @@ impl Lakes {
 
         // Distance from the centre in radii, 1 on the shore.
         let unbent = DVec2::new(offset.dot(basin.axis) / basin.stretch, offset.dot(basin.axis.perp())) / radius;
-        let bend = DVec2::new(self.bend[0].at(p), self.bend[1].at(p)) * 0.6;
+        let bend = DVec2::new(self.bend[0].at(p, corners), self.bend[1].at(p, corners)) * 0.6;
         let q = (unbent + bend.clamp_length_max(BENT)).length();
         if q >= INFLUENCE {
             return dry;

@@ -1,9 +1,9 @@
 //! The default terrain.
 
-use super::field::{Fractal, Octave};
+use super::field::{Corners, Fractal, Fresh, Octave, Remembered};
 use super::lake::Lakes;
 use super::river::Rivers;
-use super::{Terrain, TerrainSample, TerrainSettings};
+use super::{Scan, Terrain, TerrainSample, TerrainSettings};
 use crate::space::{Seed, math};
 use glam::DVec2;
 
@@ -65,12 +65,12 @@ struct Mask {
 impl Mask {
     fn new(seed: Seed, key: u64, wavelength: f64, share: f64, width: f64) -> Self {
         let field = Fractal::new(seed, key, wavelength, 2, 0.4);
-        let low = quantile(seed, key, wavelength, 1.0 - share, |p| field.at(p));
+        let low = quantile(seed, key, wavelength, 1.0 - share, |p| field.at(p, &mut Fresh));
         Self { field, low, high: low + width }
     }
 
-    fn at(&self, p: DVec2) -> f64 {
-        math::smoothstep(self.low, self.high, self.field.at(p))
+    fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        math::smoothstep(self.low, self.high, self.field.at(p, corners))
     }
 }
 
@@ -106,24 +106,24 @@ impl Continent {
             coast: Fractal::new(seed, 4, 5_300.0, 5, 0.5),
             sea: 0.0,
         };
-        it.sea = quantile(seed, 3, size, sea_share, |p| it.wide(p));
+        it.sea = quantile(seed, 3, size, sea_share, |p| it.wide(p, &mut Fresh));
         it
     }
 
-    fn wide(&self, p: DVec2) -> f64 {
-        let bend = DVec2::new(self.bend[0].at(p), self.bend[1].at(p));
-        self.field.at(p + bend * self.bend_by) - self.sea
+    fn wide(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        let bend = DVec2::new(self.bend[0].at(p, corners), self.bend[1].at(p, corners));
+        self.field.at(p + bend * self.bend_by, corners) - self.sea
     }
 
     /// Wide field, and the same with the coast's detail: above 0 on land, below in the sea.
-    fn at(&self, p: DVec2) -> (f64, f64) {
-        let wide = self.wide(p);
+    fn at(&self, p: DVec2, corners: &mut impl Corners) -> (f64, f64) {
+        let wide = self.wide(p, corners);
         let x = wide / INLAND;
         if x.abs() >= 1.0 {
             return (wide, wide);
         }
         let fade = (1.0 - x * x) * (1.0 - x * x);
-        (wide, wide + COAST_DETAIL * fade * self.coast.at(p).clamp(-1.0, 1.0))
+        (wide, wide + COAST_DETAIL * fade * self.coast.at(p, corners).clamp(-1.0, 1.0))
     }
 }
 
@@ -155,30 +155,31 @@ impl Ground {
         }
     }
 
-    pub fn at(&self, p: DVec2) -> Shape {
+    pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> Shape {
         let s = &self.settings;
-        let (wide, coast) = self.continent.at(p);
+        let (wide, coast) = self.continent.at(p, corners);
         let table = s.inland_height * math::smoothstep(INLAND, 0.95, wide);
-        let river = self.rivers.at(p);
+        let river = self.rivers.at(p, corners);
 
         // Roughness grows away from rivers; mountains stand on watersheds.
-        let mut relief = 9.0 * positive(0.55 + self.plain.at(p)) * river.valley;
-        let hilly = if coast > 0.0 { self.hill_mask.at(p) * coast / (coast + 0.05) } else { 0.0 };
+        let mut relief = 9.0 * positive(0.55 + self.plain.at(p, corners)) * river.valley;
+        let hilly = if coast > 0.0 { self.hill_mask.at(p, corners) * coast / (coast + 0.05) } else { 0.0 };
         if hilly > 0.0 {
-            relief += s.hill_height * hilly * river.valley * positive(0.45 + 0.9 * self.hill.at(p));
+            relief += s.hill_height * hilly * river.valley * positive(0.45 + 0.9 * self.hill.at(p, corners));
         }
         let mut mountain = 0.0;
         // Neither stands on the beach.
         let inland = math::smoothstep(0.0, INLAND, coast);
         let room = inland * math::smoothstep(0.12, 0.6, river.watershed) * river.valley;
         if room > 0.0 {
-            mountain = self.mountain_mask.at(p) * room;
+            mountain = self.mountain_mask.at(p, corners) * room;
             if mountain > 0.0 {
-                let bend = DVec2::new(self.mountain_bend[0].at(p), self.mountain_bend[1].at(p)) * 500.0;
-                relief += s.mountain_height * mountain * (0.15 + self.mountain.ridged_at(p + bend));
+                let bend =
+                    DVec2::new(self.mountain_bend[0].at(p, corners), self.mountain_bend[1].at(p, corners)) * 500.0;
+                relief += s.mountain_height * mountain * (0.15 + self.mountain.ridged_at(p + bend, corners));
             }
         }
-        let rough = 0.5 * positive(0.8 + self.detail.at(p)) * (1.0 + (3.0 * mountain + hilly) * river.valley);
+        let rough = 0.5 * positive(0.8 + self.detail.at(p, corners)) * (1.0 + (3.0 * mountain + hilly) * river.valley);
         let land = if coast > 0.0 {
             let shore = coast / (coast + 0.035) * (1.0 + 0.035);
             shore * (FLOOD_PLAIN + rough + relief) + 40.0 * coast.min(0.05)
@@ -190,11 +191,11 @@ impl Ground {
         Shape { height, table, dry, mountain }
     }
 
-    fn vegetation(&self, p: DVec2, shape: &Shape, height: f64) -> f64 {
+    fn vegetation(&self, p: DVec2, shape: &Shape, height: f64, corners: &mut impl Corners) -> f64 {
         let above = height - shape.table;
         let shore = math::smoothstep(0.5, 4.0, above);
         let tree_line = 1.0 - math::smoothstep(420.0, 620.0, above);
-        let density = 0.5 + self.wood.at(p) + 1.4 * (self.settings.vegetation - 0.5) + 0.25 * shape.mountain;
+        let density = 0.5 + self.wood.at(p, corners) + 1.4 * (self.settings.vegetation - 0.5) + 0.25 * shape.mountain;
         math::smoothstep(0.0, 1.0, density) * shore * tree_line
     }
 }
@@ -204,14 +205,24 @@ impl NoiseTerrain {
     pub fn new(seed: Seed, settings: &TerrainSettings) -> Self {
         Self { ground: Ground::new(seed, settings), lakes: Lakes::new(seed, settings) }
     }
+
+    fn sample_with(&self, p: DVec2, corners: &mut impl Corners) -> TerrainSample {
+        let shape = self.ground.at(p, corners);
+        let (height, water_level) = self.lakes.lay(p, &shape, corners, |q| self.ground.at(q, &mut Fresh));
+        let wet = height < water_level;
+        let vegetation = if wet { 0.0 } else { self.ground.vegetation(p, &shape, height, corners) };
+        TerrainSample { height, water_level, vegetation }
+    }
 }
 
 impl Terrain for NoiseTerrain {
     fn sample(&self, p: DVec2) -> TerrainSample {
-        let shape = self.ground.at(p);
-        let (height, water_level) = self.lakes.lay(p, &shape, |q| self.ground.at(q));
-        let vegetation = if height < water_level { 0.0 } else { self.ground.vegetation(p, &shape, height) };
-        TerrainSample { height, water_level, vegetation }
+        self.sample_with(p, &mut Fresh)
+    }
+
+    fn scan(&self) -> Scan<'_> {
+        let mut corners = Remembered::new();
+        Box::new(move |p| self.sample_with(p, &mut corners))
     }
 }
 
@@ -332,7 +343,7 @@ mod tests {
         let t = terrain(41);
         let mut found = 0;
         for cell in (-6..6).flat_map(|x| (-6..6).map(move |y| [x, y])) {
-            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q)) else { continue };
+            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q, &mut Fresh)) else { continue };
             found += 1;
             let middle = t.sample(centre);
             assert_eq!(middle.water_level, level);

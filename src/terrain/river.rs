@@ -4,7 +4,9 @@
 //! Half-way between two of them is a watershed. Tributaries are such lines of a second coordinate; those on one bank
 //! stand between those on the other, and each thins out towards the watershed, where it springs.
 
-use super::field::Octave;
+#[cfg(test)]
+use super::field::Fresh;
+use super::field::{Corners, Octave};
 use crate::space::{Seed, math};
 use glam::DVec2;
 
@@ -27,17 +29,17 @@ impl Bent {
         Self { heading, bends: bends.map(octave).collect() }
     }
 
-    fn at(&self, p: DVec2) -> f64 {
-        p.dot(self.heading) + self.bends.iter().map(|(o, w)| o.at(p) * w).sum::<f64>()
+    fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        p.dot(self.heading) + self.bends.iter().map(|(o, w)| o.at(p, corners) * w).sum::<f64>()
     }
 
-    fn gradient(&self, p: DVec2) -> DVec2 {
-        self.heading + self.bends.iter().map(|(o, w)| o.with_gradient(p).1 * *w).sum::<DVec2>()
+    fn gradient(&self, p: DVec2, corners: &mut impl Corners) -> DVec2 {
+        self.heading + self.bends.iter().map(|(o, w)| o.with_gradient(p, corners).1 * *w).sum::<DVec2>()
     }
 
     /// Metres per unit of the coordinate at `p`: turns a difference of values into a distance.
-    fn metres(&self, p: DVec2) -> f64 {
-        1.0 / self.gradient(p).length().clamp(STEEPNESS.0, STEEPNESS.1)
+    fn metres(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        1.0 / self.gradient(p, corners).length().clamp(STEEPNESS.0, STEEPNESS.1)
     }
 }
 
@@ -103,37 +105,37 @@ impl Rivers {
     #[cfg(test)]
     pub fn course_near(&self, mut p: DVec2) -> Option<DVec2> {
         for _ in 0..60 {
-            let g = self.across.gradient(p);
-            let step = g * (-fold(self.across.at(p), self.spacing) / g.length_squared().max(0.05));
+            let g = self.across.gradient(p, &mut Fresh);
+            let step = g * (-fold(self.across.at(p, &mut Fresh), self.spacing) / g.length_squared().max(0.05));
             p += step.clamp_length_max(200.0);
         }
-        (fold(self.across.at(p), self.spacing).abs() < 0.1).then_some(p)
+        (fold(self.across.at(p, &mut Fresh), self.spacing).abs() < 0.1).then_some(p)
     }
 
     /// Direction of the main river's course at `p`.
     #[cfg(test)]
     pub fn direction(&self, p: DVec2) -> DVec2 {
-        self.across.gradient(p).perp().normalize()
+        self.across.gradient(p, &mut Fresh).perp().normalize()
     }
 
     /// What rivers make of the plan point `p`.
-    pub fn at(&self, p: DVec2) -> Course {
+    pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> Course {
         let near = (self.width.1 / 2.0 + BANK / BANK_SLOPE) * STEEPNESS.1;
-        let u = self.across.at(p);
+        let u = self.across.at(p, corners);
         let main = fold(u, self.spacing);
         let watershed = main.abs() * 2.0 / self.spacing;
-        let breadth = 0.5 + 0.7 * self.breadth.at(p).clamp(-0.7, 0.7);
+        let breadth = 0.5 + 0.7 * self.breadth.at(p, corners).clamp(-0.7, 0.7);
         let middle = (self.width.0 * self.width.1).sqrt();
         let (mut profile, mut distance) = (f64::INFINITY, f64::INFINITY);
         if main.abs() < near {
-            distance = main.abs() * self.across.metres(p);
+            distance = main.abs() * self.across.metres(p, corners);
             let width = math::mix(middle, self.width.1, breadth);
             profile = channel(distance, width, 1.5 + width * 0.06);
         }
 
         // Tributaries of the two banks; near the main river both are looked at, and the one from the other bank ends in it.
         // Towards the watershed first the water runs dry, then the floor of the valley rises.
-        let v = self.along.at(p);
+        let v = self.along.at(p, corners);
         let dry = math::smoothstep(0.42, 0.56, watershed);
         let width = math::mix(self.width.0, middle, breadth * (1.0 - watershed));
         let depth = 1.0 + width * 0.05;
@@ -150,7 +152,7 @@ impl Rivers {
             if side < near && dry < 1.0 {
                 let past = if beyond > 0.0 { distance * BANK_SLOPE } else { 0.0 };
                 let lift = past + dry * (depth + BANK);
-                profile = profile.min(channel(side * self.along.metres(p), width, depth) + lift);
+                profile = profile.min(channel(side * self.along.metres(p, corners), width, depth) + lift);
             }
         }
         let gully = math::mix(gully, 1.0, math::smoothstep(0.56, 0.85, watershed));

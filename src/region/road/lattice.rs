@@ -125,9 +125,10 @@ impl<'a> Samples<'a> {
 
 fn sample_tile(terrain: &dyn Terrain, step: i64, tile: I64Vec2) -> SampleTile {
     let mut out = [Ground::default(); (TILE * TILE) as usize];
+    let mut scan = terrain.scan();
     for (i, ground) in out.iter_mut().enumerate() {
         let node = tile * TILE + I64Vec2::new(i as i64 % TILE, i as i64 / TILE);
-        let s = terrain.sample(node_at(node, step));
+        let s = scan(node_at(node, step));
         *ground = Ground {
             surface: s.height.max(s.water_level) as f32,
             depth: s.depth() as f32,

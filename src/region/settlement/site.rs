@@ -2,7 +2,7 @@
 
 use crate::region::outline::smooth;
 use crate::space::math;
-use crate::terrain::Terrain;
+use crate::terrain::{Scan, Terrain};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
@@ -10,8 +10,11 @@ use std::f64::consts::TAU;
 pub(in crate::region) const SHORE: f64 = 25.0;
 /// Least reach of a settlement in every direction, in metres.
 pub(in crate::region) const LEAST_REACH: f64 = 105.0;
-/// Step along a ray over low ground, where a narrow river may lie, and over ground well above the water.
-const STEPS: (f64, f64) = (18.0, 36.0);
+/// Step along a ray over low ground, where a narrow river may lie, and least and greatest over ground well above the
+/// water.
+const STEPS: (f64, f64, f64) = (18.0, 36.0, 90.0);
+/// Step over ground well above the water, in heights above it.
+const STEP_BY_HEIGHT: f64 = 3.0;
 /// Height above the water from which ground counts as well above it.
 const HIGH: f64 = 9.0;
 /// Ground lower than this above its water may be a bank: there a ray is searched in finer steps.
@@ -20,6 +23,8 @@ const BANK: (f64, f64) = (1.4, 5.0);
 const SLOPE_LENGTH: f64 = 40.0;
 /// Rays that a place is judged by.
 const RAYS: usize = 20;
+/// Distance from a place within which it is judged as finely as outlines are made; beyond it with steps so much longer.
+const JUDGED: (f64, f64) = (200.0, 2.5);
 /// Share of its circle that a settlement fills at least.
 const LEAST_AREA: f64 = 0.42;
 /// A settlement ends where the ground is this many times steeper than its mean slope may be.
@@ -36,21 +41,38 @@ pub(in crate::region) struct Ray {
     pub climb: f64,
 }
 
-/// Goes from `centre` (plan metres, on land) in a direction until `limit` metres, water, or slopes above three times
-/// `max_slope`.
-pub(in crate::region) fn ray(terrain: &dyn Terrain, centre: DVec2, way: DVec2, limit: f64, max_slope: f64) -> Ray {
-    let at = |along: f64| terrain.sample(centre + way * along);
-    let start = at(0.0);
-    let (mut along, mut last, mut climb) = (0.0, start, 0.0);
-    let mut mark = (0.0, start.height);
-    let mut end = limit;
+/// Where a ray leads from.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::region) struct Course {
+    /// Plan metres, on land.
+    pub centre: DVec2,
+    /// Unit direction.
+    pub way: DVec2,
+    /// Distance from the centre at which the ray begins.
+    pub from: f64,
+    /// Greatest distance from the centre.
+    pub limit: f64,
+    /// Distance up to which no narrow river is stepped over.
+    pub fine: f64,
+}
+
+/// Follows a course until its limit, water, or slopes above three times `max_slope`. Neither its beginning nor what lies
+/// before it is looked at.
+pub(in crate::region) fn ray(ground: &mut Scan<'_>, course: Course, max_slope: f64) -> Ray {
+    let mut at = |along: f64| ground(course.centre + course.way * along);
+    let start = at(course.from);
+    let (mut along, mut last, mut climb) = (course.from, start, 0.0);
+    let mut mark = (course.from, start.height);
+    let mut end = course.limit;
     // A shore just beyond the end still keeps its distance.
     while along < end + SHORE {
         let above = last.height - last.water_level;
-        let next = along + if above > HIGH { STEPS.1 } else { STEPS.0 };
+        let (fine, longer) = if along < course.fine { (true, 1.0) } else { (false, JUDGED.1) };
+        let step = if above > HIGH { (above * STEP_BY_HEIGHT).clamp(STEPS.1, STEPS.2) } else { STEPS.0 };
+        let next = along + step * longer;
         let here = at(next);
         let mut wet = (here.depth() > 0.0).then_some(next);
-        if wet.is_none() && above.min(here.height - here.water_level) < BANK.0 {
+        if fine && wet.is_none() && above.min(here.height - here.water_level) < BANK.0 {
             let finer = (1..(STEPS.1 / BANK.1) as usize).map(|i| along + i as f64 * BANK.1);
             wet = finer.take_while(|d| *d < next).find(|d| at(*d).depth() > 0.0);
         }
@@ -104,9 +126,11 @@ pub(super) fn promise(
 /// Whether a settlement of a radius finds enough ground around a place, and none of it too steep.
 pub(super) fn suits(terrain: &dyn Terrain, centre: DVec2, radius: f64, max_slope: f64) -> bool {
     let (mut reach, mut climb, mut length) = ([0.0; RAYS], 0.0, 0.0);
+    let mut ground = terrain.scan();
     for (i, reach) in reach.iter_mut().enumerate() {
         let way = math::direction(i as f64 / RAYS as f64 * TAU);
-        let ray = ray(terrain, centre, way, radius, max_slope);
+        let course = Course { centre, way, from: 0.0, limit: radius, fine: JUDGED.0 };
+        let ray = ray(&mut ground, course, max_slope);
         if ray.reach < LEAST_REACH {
             return false;
         }
