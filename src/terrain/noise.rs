@@ -240,6 +240,18 @@ mod tests {
     }
 
     #[test]
+    fn a_scan_gives_the_very_samples() {
+        let t = terrain(17);
+        let mut scan = t.scan();
+        for start in places(17, 1e7, 40) {
+            for i in 0..60 {
+                let p = start + DVec2::new(f64::from(i % 8), f64::from(i / 8)) * 37.0;
+                assert_eq!(scan(p), t.sample(p));
+            }
+        }
+    }
+
+    #[test]
     fn most_land_is_fit_for_towns_and_mountains_are_mountains() {
         for seed in [11, 12, 13] {
             let t = terrain(seed);
