@@ -101,8 +101,9 @@ impl SettlementTable {
 
 /// A field of a record, without quotes and blanks around it.
 struct Field {
-    /// Byte in the file.
+    /// Byte in the file, and line from 1.
     at: usize,
+    line: usize,
     text: String,
 }
 
@@ -127,6 +128,8 @@ impl Records<'_> {
         let mut reader = csv_core::Reader::new();
         let (mut records, mut record) = (Vec::new(), Vec::new());
         let (mut at, mut last) = (0, 0);
+        // Lines are counted on the way: from the start for each row, a long file would take hours.
+        let (mut line, mut counted) = (1, 0);
         loop {
             let (result, read, written) = reader.read_field(&rest[at..], &mut buffer);
             match result {
@@ -138,7 +141,10 @@ impl Records<'_> {
                     );
                 }
                 ReadFieldResult::Field { record_end } => {
-                    record.push(self.field(self.start(at, record.is_empty()), &buffer[..written])?);
+                    let start = self.start(at, record.is_empty()).min(self.content.len());
+                    line += self.content[counted..start.max(counted)].iter().filter(|b| **b == b'\n').count();
+                    counted = start.max(counted);
+                    record.push(Field { at: start, line, text: self.text(start, &buffer[..written])? });
                     if record_end {
                         records.push(std::mem::take(&mut record));
                     }
@@ -157,9 +163,15 @@ impl Records<'_> {
         at + self.content[at.min(self.content.len())..].iter().take_while(before).count()
     }
 
-    fn field(&self, at: usize, content: &[u8]) -> Result<Field, FileError> {
+    fn text(&self, at: usize, content: &[u8]) -> Result<String, FileError> {
         let text = std::str::from_utf8(content).map_err(|_| self.error(at, "not UTF-8; allowed is text in UTF-8"))?;
-        Ok(Field { at, text: text.trim().to_owned() })
+        Ok(text.trim().to_owned())
+    }
+
+    /// Column of a byte in its line, from 1.
+    fn column(&self, at: usize) -> usize {
+        let line_start = self.content[..at].iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
+        FileError::at("", &self.content[line_start..], at - line_start, "").column
     }
 }
 
@@ -256,8 +268,8 @@ impl Columns {
         let id = SettlementId(stable_hash(&name.bytes().map(u64::from).collect::<Vec<_>>()).max(1));
         let centre = Origin::at(at + 0.5);
         let settlement = Settlement { id, centre, radius, size, style, name: name.clone() };
-        let FileError { line, column, .. } = wrong(self.x, &"");
-        Ok(SettlementRow { settlement, line, column })
+        let Field { at, line, .. } = fields[self.x];
+        Ok(SettlementRow { settlement, line, column: records.column(at) })
     }
 }
 

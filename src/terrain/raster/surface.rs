@@ -72,8 +72,9 @@ impl Surface {
     /// Index of the sample south-west of a point (it has one more to its south and west, two to its north and east), and how far the point is from there to the next, 0 to 1 each way.
     fn place(&self, p: DVec2) -> (usize, DVec2) {
         let u = ((p - self.first) * self.per_metre).clamp(DVec2::splat(RING as f64 - 0.5), self.end);
-        let cell = u.floor();
-        (cell.y as usize * self.width + cell.x as usize, u - cell)
+        // Both are positive, so that cutting off is rounding down.
+        let (column, row) = (u.x as usize, u.y as usize);
+        (row * self.width + column, u - DVec2::new(column as f64, row as f64))
     }
 
     /// Bilinear interpolation.

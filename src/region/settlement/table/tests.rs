@@ -68,6 +68,13 @@ fn errors_say_where_and_what() {
 }
 
 #[test]
+fn many_rows_keep_their_lines_and_take_no_time() {
+    let rows: String = (0..20_000).map(|i| format!("n{i},{i},0,0\n")).collect();
+    let table = read(&format!("name,x,y,sigma\n{rows}")).unwrap();
+    assert!(table.rows.iter().enumerate().all(|(i, r)| r.line == i + 2 && r.column == 3 + i.to_string().len()));
+}
+
+#[test]
 fn a_settlement_outside_of_the_domain_is_named() {
     let table = read("name,x,y,sigma\nAix,0,0,2\nIle,900,5,0").unwrap();
     assert_eq!(table.check_inside(Bounds::square(DVec2::ZERO, 1800.0)), Ok(()));
