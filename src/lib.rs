@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | `bevy` | yes | the plugin |
 //! | `window` | yes | what the examples need besides: a window and an egui panel |
-//! | `cli` | no | the `sprawl` command line and the exporters |
+//! | `cli` | no | the `sprawl` command line, the exporters, terrain from PNG |
 //!
 //! The modules are layers, bottom to top: [`space`], [`network`], [`patch`] and [`layer`] know no other; then
 //! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`parcel`], [`chunk`] and [`mesh`], each reading only those

@@ -4,9 +4,11 @@ use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::region::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
+use bevy_sprawl::terrain::{Terrain, TerrainSample};
 use bevy_sprawl::world::{Fault, Settings, World, WorldAssets, audit, unreached_gates};
 use glam::DVec2;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 fn world(seed: u64, settings: &Settings) -> World {
     World::new(Seed(seed), settings.clone(), WorldAssets::bundled()).expect("settings are valid")
@@ -73,6 +75,26 @@ fn seeds_differ() {
         print(&w.chunk(built_up(&w, DVec2::ZERO), &Cancel::new()).unwrap())
     };
     assert_ne!(chunk(1), chunk(2));
+}
+
+/// A plain.
+struct Flat;
+
+impl Terrain for Flat {
+    fn sample(&self, _: DVec2) -> TerrainSample {
+        TerrainSample { height: 20.0, water_level: 0.0, vegetation: 0.25 }
+    }
+}
+
+#[test]
+fn a_world_stands_on_the_ground_that_a_game_brings() {
+    let w = World::on_terrain(Seed(5), Settings::default(), WorldAssets::bundled(), Arc::new(Flat)).unwrap();
+    let chunk = w.chunk(built_up(&w, DVec2::ZERO), &Cancel::new()).unwrap();
+    assert!(!chunk.streets.is_empty() && !chunk.footprints.is_empty());
+    assert!(chunk.ground.samples.iter().all(|s| s.height == 20.0 && s.depth() == 0.0 && s.vegetation == 0.25));
+    assert_eq!(w.height_at(DVec2::new(1e7, -3.0)), 20.0);
+    let links = w.roads().links(Bounds::square(DVec2::ZERO, 12_000.0), &Cancel::new()).unwrap();
+    assert!(!links.is_empty() && links.iter().all(|l| l.bridges + l.tunnels == 0), "no water, no hills: {links:?}");
 }
 
 #[test]

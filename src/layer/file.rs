@@ -1,4 +1,4 @@
-//! Reading the RON files that users write.
+//! Reading the files that users write: where an error is, and RON.
 
 use serde::de::DeserializeOwned;
 
@@ -21,6 +21,27 @@ impl FileError {
     pub fn unreadable(file: impl Into<String>, reason: impl std::fmt::Display) -> Self {
         Self { file: file.into(), line: 0, column: 0, reason: reason.to_string() }
     }
+
+    /// What is wrong at a byte of the file's content; beyond its end counts as its end.
+    pub fn at(file: impl Into<String>, content: &[u8], byte: usize, reason: impl std::fmt::Display) -> Self {
+        let before = &content[..byte.min(content.len())];
+        let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
+        Self {
+            file: file.into(),
+            line: before.iter().filter(|b| **b == b'\n').count() + 1,
+            column: String::from_utf8_lossy(&before[line_start..]).chars().count() + 1,
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// A piece of a file for an error's reason: on one line, in quotes, cut where it is long.
+pub(crate) fn quoted(piece: &[u8]) -> String {
+    const MOST: usize = 32;
+    let text = String::from_utf8_lossy(&piece[..piece.len().min(4 * MOST)]);
+    let cut: String = text.chars().take(MOST).collect();
+    let more = if cut.len() < text.len() || piece.len() > 4 * MOST { "..." } else { "" };
+    format!("\"{}{more}\"", cut.escape_debug())
 }
 
 /// Parses `text` as RON. Values that check themselves while they are deserialized (`#[serde(try_from = ...)]`) are
@@ -72,13 +93,7 @@ impl RangeError {
             });
             at += found.map_or(0, |(i, _)| i);
         }
-        let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
-        FileError {
-            file: file.into(),
-            line: text[..at].matches('\n').count() + 1,
-            column: text[line_start..at].chars().count() + 1,
-            reason: self.to_string(),
-        }
+        FileError::at(file, text.as_bytes(), at, self)
     }
 }
 
@@ -98,6 +113,15 @@ mod tests {
         assert_eq!((error.file.as_str(), error.line), ("a.ron", 3));
         assert!(error.to_string().contains("colour"), "{error}");
         assert_eq!(from_ron::<Sample>("a.ron", "(size: 3)").map(|s| s.size), Ok(3));
+    }
+
+    #[test]
+    fn errors_at_a_byte_count_lines_and_characters() {
+        let text = "a\nL'\u{ce}le, x\n".as_bytes();
+        let place = |byte| FileError::at("f", text, byte, "").to_string();
+        assert_eq!([place(0), place(2), place(9), place(99)], ["f:1:1: ", "f:2:1: ", "f:2:7: ", "f:3:1: "]);
+        assert_eq!(quoted(b"a\n\xff\""), "\"a\\n\u{fffd}\\\"\"");
+        assert_eq!(quoted(&[b'x'; 999]).len(), 37);
     }
 
     #[test]

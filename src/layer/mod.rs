@@ -9,4 +9,5 @@ mod file;
 
 pub use cache::{LayerCache, Weigh};
 pub use error::{Cancel, LayerError, Reach};
+pub(crate) use file::quoted;
 pub use file::{FileError, RangeError, from_ron};

@@ -9,4 +9,6 @@ pub mod settlement;
 
 pub use outline::Outline;
 pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
-pub use settlement::{PerSize, Settlement, SettlementId, SettlementSettings, Settlements, SizeClass};
+pub use settlement::{
+    PerSize, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements, SizeClass,
+};

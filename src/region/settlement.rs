@@ -7,8 +7,10 @@
 mod name;
 mod settings;
 pub(super) mod site;
+mod table;
 
 pub use settings::{PerSize, SettlementSettings};
+pub use table::{SettlementRow, SettlementTable};
 
 use crate::layer::{LayerCache, LayerError, Reach, Weigh};
 use crate::region::Outline;

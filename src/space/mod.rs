@@ -5,6 +5,7 @@
 
 mod bounds;
 mod coord;
+mod geographic;
 mod geometry;
 pub mod math;
 mod polyline;
@@ -12,6 +13,7 @@ mod seed;
 
 pub use bounds::Bounds;
 pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize};
+pub use geographic::Geographic;
 pub use geometry::{
     SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,
     segment_distance,

@@ -1,12 +1,40 @@
 //! Layer 1: the ground. Makes height, water and vegetation at any point of the plan; reads the seed only; padding 0.
+//!
+//! [`NoiseTerrain`] is the default, without end. [`RasterTerrain`] is a piece of ground from files: ESRI ASCII grids, and with
+//! the feature `cli` PNG pictures. A game brings ground of its own by the trait [`Terrain`]:
+//!
+//! ```
+//! use bevy_sprawl::{space::Seed, terrain::{Terrain, TerrainSample}, world::{Settings, World, WorldAssets}};
+//! use glam::DVec2;
+//! use std::sync::Arc;
+//!
+//! /// A plain with a sea in the south and a smooth rise to 60 m in the north.
+//! struct Coast;
+//!
+//! impl Terrain for Coast {
+//!     fn sample(&self, p: DVec2) -> TerrainSample {
+//!         let t = p.y / 5000.0;
+//!         let height = 30.0 + 30.0 * t / (1.0 + t * t).sqrt();
+//!         TerrainSample { height, water_level: 2.0, vegetation: 0.3 }
+//!     }
+//! }
+//!
+//! let world = World::on_terrain(Seed(7), Settings::default(), WorldAssets::bundled(), Arc::new(Coast))?;
+//! assert!(world.height_at(DVec2::new(0.0, 20_000.0)) > world.height_at(DVec2::ZERO));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod field;
 mod lake;
 mod noise;
+mod raster;
 mod river;
 mod settings;
 
 pub use self::noise::NoiseTerrain;
+#[cfg(feature = "cli")]
+pub use self::raster::PngPlace;
+pub use self::raster::{Band, Holes, MOST_CELLS, Raster, RasterTerrain};
 pub use self::settings::TerrainSettings;
 
 use glam::DVec2;
@@ -32,7 +60,20 @@ impl TerrainSample {
 /// Samples a terrain point after point: [`Terrain::scan`].
 pub type Scan<'a> = Box<dyn FnMut(DVec2) -> TerrainSample + 'a>;
 
-/// The ground of a world. A pure function of the point: the same point gives the same bits, from any thread.
+/// The ground of a world.
+///
+/// The world above it is the same on every machine only if the ground is, so an implementation keeps four rules:
+///
+/// - The same point gives the same bits: on any thread, in any order, in every run. No state that sampling changes, no
+///   clock, no iteration over hash maps with a random state.
+/// - The same bits on every platform: `+ - * /` and `sqrt` are, `f64::sin`, `powi` and their like are not; use
+///   [`space::math`](crate::space::math).
+/// - Every point of the plan has finite numbers, far outside of what a game shows too. Where there is no water, the
+///   water level lies below the ground.
+/// - Heights are continuous, and so should slopes be: roads follow creases of the ground. Water levels do not jump along
+///   a piece of water, and no water stands above the dry ground beside it.
+///
+/// Sampling should take less than a microsecond: the search for roads samples millions of points.
 ///
 /// Points are in plan metres (x east, y north).
 pub trait Terrain: Send + Sync + 'static {

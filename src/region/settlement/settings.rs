@@ -33,6 +33,9 @@ impl<T> PerSize<T> {
     }
 }
 
+/// Radii that settlements may have, in metres.
+pub(super) const RADII: (f64, f64) = (120.0, 5_000.0);
+
 /// Settings of settlements. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
@@ -88,8 +91,8 @@ impl SettlementSettings {
             let tier = size.name();
             let within = |field: &str| format!("{field}.{tier}");
             let radius = *self.radius.of(size);
-            range(&within("radius"), radius.0, 120.0, 5_000.0)?;
-            range(&within("radius"), radius.1, radius.0, 5_000.0)?;
+            range(&within("radius"), radius.0, RADII.0, RADII.1)?;
+            range(&within("radius"), radius.1, radius.0, RADII.1)?;
             range(&within("spacing"), *self.spacing.of(size), radius.1 * 2.5 + 200.0, 1_000_000.0)?;
             range(&within("share"), *self.share.of(size), 0.0, 1.0)?;
             let styles = self.styles.of(size);

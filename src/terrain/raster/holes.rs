@@ -1,0 +1,47 @@
+//! Cells without a number.
+
+/// What to do with the cells of a file that have no number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Holes {
+    /// Refuse the file.
+    #[default]
+    Refuse,
+    /// Fill them ring by ring from their rim inwards, each cell with the mean of its neighbours. Good for small gaps.
+    FromNeighbours,
+    /// Put this number there: below the sea level for a coast that the file cuts out.
+    Value(f64),
+}
+
+/// Fills the cells that are NaN, each with the mean of those of its eight neighbours that have a number before its ring is
+/// filled. At least one cell has a number.
+pub(super) fn from_neighbours(values: &mut [f32], columns: usize) {
+    let rows = values.len() / columns;
+    let near = |i: usize| {
+        let (x, y) = (i % columns, i / columns);
+        let xs = x.saturating_sub(1)..=(x + 1).min(columns - 1);
+        let ys = y.saturating_sub(1)..=(y + 1).min(rows - 1);
+        ys.flat_map(move |y| xs.clone().map(move |x| y * columns + x)).filter(move |n| *n != i)
+    };
+    let mut queued: Vec<bool> = values.iter().map(|v| !v.is_nan()).collect();
+    let mut ring: Vec<usize> = (0..values.len()).filter(|i| !queued[*i] && near(*i).any(|n| queued[n])).collect();
+    ring.iter().for_each(|i| queued[*i] = true);
+    while !ring.is_empty() {
+        let mean = |i: usize| {
+            let known = near(i).map(|n| f64::from(values[n])).filter(|v| !v.is_nan());
+            let (sum, count) = known.fold((0.0, 0.0), |(s, c), v| (s + v, c + 1.0));
+            (sum / count) as f32
+        };
+        let means: Vec<f32> = ring.iter().map(|i| mean(*i)).collect();
+        let mut next = Vec::new();
+        for (i, mean) in ring.iter().zip(means) {
+            values[*i] = mean;
+            for n in near(*i) {
+                if !queued[n] {
+                    queued[n] = true;
+                    next.push(n);
+                }
+            }
+        }
+        ring = next;
+    }
+}
