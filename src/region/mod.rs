@@ -3,10 +3,13 @@
 //! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
 //! the outlines of settlements, in gates, so outlines are made here.
 
+mod border;
 pub mod outline;
+mod profile;
 pub mod road;
 pub mod settlement;
 
-pub use outline::Outline;
+pub use border::Border;
+pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
 pub use settlement::{PerSize, Settlement, SettlementId, SettlementSettings, Settlements, SizeClass};

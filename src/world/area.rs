@@ -4,7 +4,7 @@ use crate::chunk::{Layers, PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{Junction, Network};
 use crate::parcel::{Block, Footprint, Lot};
-use crate::region::Settlement;
+use crate::region::{Outline, Settlement};
 use crate::space::{Bounds, ChunkCoord, Origin};
 use std::sync::Arc;
 
@@ -36,6 +36,8 @@ pub struct Area {
     pub footprints: Vec<Owned<Footprint>>,
     /// Settlements whose outline overlaps the box, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
+    /// Their outlines, each local to its settlement.
+    pub outlines: Vec<Arc<Outline>>,
     /// Number of unmet ports in the main cells that overlap the box.
     pub unmet_ports: usize,
 }
@@ -52,6 +54,7 @@ impl Area {
             blocks: Vec::new(),
             lots: Vec::new(),
             footprints: Vec::new(),
+            outlines: overlap.settlements.iter().map(|s| layers.settlements().outline(s)).collect::<Result<_, _>>()?,
             settlements: overlap.settlements,
             unmet_ports: 0,
         };
