@@ -184,7 +184,8 @@ impl Layers {
             let of = &plan.cells[cell];
             let near = Bounds::of(of.border.iter().copied()).grown(StreetClass::Highway.half_width());
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
-            let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).collect();
+            let across = self.streets_across(plan, near, cancel)?;
+            let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
             let brief = ParcelBrief {
                 seed: self.seed,
                 id: of.id,
@@ -195,6 +196,31 @@ impl Layers {
             };
             parcel::divide(&brief, cancel)
         })
+    }
+
+    /// Main streets of other towns that meet this one's in a gate on their border, near a box; all local to this town.
+    fn streets_across(&self, town: &Town, near: Bounds, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
+        let mut out = Vec::new();
+        for shared in &town.outline.shared {
+            let border = &shared.border;
+            let shift = border.origin.offset_to(town.origin);
+            if !Bounds::of(border.line.iter().map(|p| *p + shift)).overlaps(near) {
+                continue;
+            }
+            let gates: Vec<JunctionId> = (0..border.gates.len()).map(|i| border.junction(i)).collect();
+            for other in self.settlements.touching(&town.settlement)? {
+                if !border.sides.contains(&other.id) {
+                    continue;
+                }
+                let there = self.town(&other, cancel)?;
+                let meets = |s: &&Street| gates.contains(&s.from) || gates.contains(&s.to);
+                for s in there.mains.streets.iter().filter(meets).filter(|s| !there.shared.contains_key(&s.id)) {
+                    let street = s.moved(there.town.origin.offset_to(town.origin));
+                    out.extend(street.bounds().overlaps(near).then_some(street));
+                }
+            }
+        }
+        Ok(out)
     }
 
     /// Everything that overlaps `bounds` (plan metres), parcels excepted; `reach` says how far the caller may read.

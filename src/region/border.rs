@@ -229,26 +229,4 @@ fn spread_gates(vertices: usize, edge: f64) -> Vec<usize> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gates_are_spread_over_the_inner_vertices() {
-        for vertices in 4..60 {
-            for edge in [50.0, 60.0, 70.0] {
-                let gates = spread_gates(vertices, edge);
-                assert!(gates.iter().all(|g| (1..vertices - 1).contains(g)), "{gates:?} of {vertices}");
-                assert!(gates.windows(2).all(|w| (w[1] - w[0]) as f64 * edge > 115.0), "{gates:?} of {vertices}");
-                assert!(gates.len() == 1 || (gates[0], gates[gates.len() - 1]) == (1, vertices - 2));
-            }
-        }
-    }
-
-    #[test]
-    fn the_longest_run_is_found() {
-        let open = [false, true, true, false, true, true, true];
-        assert_eq!(longest_run(3, |k| open[(k + 3) as usize]), Some((1, 3)));
-        assert_eq!(longest_run(3, |_| true), Some((-3, 3)));
-        assert_eq!(longest_run(3, |_| false), None);
-    }
-}
+mod tests;

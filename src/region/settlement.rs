@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Places that a lattice cell tries.
 const PLACES: usize = 6;
 /// Share of its radius that a settlement keeps free of the line to a neighbour, and the least of that in metres.
-const KEEP: (f64, f64) = (0.6, 110.0);
+const KEEP: (f64, f64) = (0.5, 110.0);
 /// Circles nearer than this bound each other's outlines.
 const NEIGHBOUR: f64 = 3.0 * BORDER;
 

@@ -54,7 +54,7 @@ pub struct SettlementSettings {
     /// Share of its radius that an outline reaches on average where nothing hinders it: 0.7 (ragged, with room between
     /// neighbours) to 0.98 (round, touching what it can).
     pub fullness: f64,
-    /// Least distance of two centres in sums of their radii: 0.6 to 4. Below 1 settlements may touch: what they share of
+    /// Least distance of two centres in sums of their radii: 0.5 to 4. Below 1 settlements may touch: what they share of
     /// the line between them becomes a main street of both, and they grow into one city.
     pub clearance: f64,
     /// What is added to that: 0 to 10,000.
@@ -111,7 +111,7 @@ impl SettlementSettings {
         range("max_slope", self.max_slope, 0.01, 0.5)?;
         range("max_height", self.max_height, 0.0, 10_000.0)?;
         range("fullness", self.fullness, 0.7, 0.98)?;
-        range("clearance", self.clearance, 0.6, 4.0)?;
+        range("clearance", self.clearance, 0.5, 4.0)?;
         range("gap", self.gap, 0.0, 10_000.0)
     }
 

@@ -128,6 +128,9 @@ fn check_all(seed: u64, settings: &SettlementSettings, origin: DVec2, size: f64)
             if offset.length() > a.radius + b.radius + 100.0 {
                 continue;
             }
+            if s.border(a, b).unwrap().is_some() {
+                continue;
+            }
             let other = s.outline(b).unwrap();
             let moved: Vec<DVec2> = outline.polygon.iter().map(|p| *p + offset).collect();
             for i in 0..moved.len() {
