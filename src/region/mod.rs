@@ -1,7 +1,9 @@
 //! Layers 2 and 3: settlements with their outlines, and the roads between them.
 //!
 //! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
-//! the outlines of settlements, in gates, so outlines are made here.
+//! the outlines of settlements, in gates, so outlines are made here. Settlements that stand close enough touch: they share a
+//! border, from which both outlines take their vertices. A border reads the settlements near its two, so an outline reads
+//! those near its neighbours.
 
 mod border;
 pub mod outline;
