@@ -53,7 +53,7 @@ fn layers(c: &mut Criterion) {
         let (outline, gates) = (&seamed.town.outline, &seamed.town.gates);
         b.iter(|| town::plan(world.seed(), &city, outline, gates.clone(), kit, &**world.terrain(), &never))
     });
-    c.bench_function("seam/all of a city", |b| b.iter(|| seam::seams(world.seed(), &seamed.town, kit)));
+    c.bench_function("seam/all of a city", |b| b.iter(|| seam::seams(world.seed(), &seamed.town, kit, &[])));
     c.bench_function("streets/all cells of a city", |b| {
         b.iter_batched(
             || world.forget_chunks(),

@@ -5,6 +5,7 @@ use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::region::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
+use bevy_sprawl::town::MainStreet;
 use bevy_sprawl::world::{Fault, Settings, World, WorldAssets, audit, unreached_gates};
 use glam::DVec2;
 use proptest::prelude::*;
@@ -24,6 +25,16 @@ fn built_up(world: &World, near: DVec2) -> ChunkCoord {
     let found = world.settlements().centred_in(Bounds::square(near, 24_000.0)).expect("not cancelled");
     let centre = found.iter().map(|s| s.centre.plan()).min_by(|a, b| a.distance(near).total_cmp(&b.distance(near)));
     ChunkCoord::containing(centre.unwrap_or(near), world.settings().chunk_size)
+}
+
+/// Towns and villages that grow together.
+fn conurbation() -> Settings {
+    let file = "assets/settings/conurbation.ron";
+    let mut settings =
+        Settings::from_ron(file, include_str!("../assets/settings/conurbation.ron")).expect("it is checked");
+    let s = &mut settings.settlements;
+    (s.share.city, s.spacing.town, s.radius.town) = (0.0, 900.0, (560.0, 680.0));
+    settings
 }
 
 fn block(middle: ChunkCoord) -> Vec<ChunkCoord> {
@@ -132,6 +143,72 @@ fn cities_of_new_seeds_keep_every_promise() {
         let outline = w.settlements().outline(city).unwrap();
         assert_eq!(unreached_gates(&area, outline.origin, &outline.polygon), [], "seed {seed}");
         assert!(area.streets.len() > 300 && area.footprints.len() > 500, "seed {seed} has no city");
+    }
+}
+
+#[test]
+fn towns_that_touch_hold_the_same_border() {
+    let (mut borders, mut streets, mut crossings) = (0, 0, 0);
+    for seed in [31, 33] {
+        let w = world(seed, &conurbation());
+        let at = DVec2::new(seed as f64 * 1e5, 0.0);
+        for a in w.settlements().centred_in(Bounds::square(at, 2_400.0)).unwrap() {
+            for b in w.settlements().touching(&a).unwrap() {
+                let border = w.settlements().border(&a, &b).unwrap().expect("they touch");
+                let sides = [&a, &b].map(|s| {
+                    let town = w.town(s, &Cancel::new()).unwrap();
+                    let shift = town.town.origin.offset_to(border.origin);
+                    for gate in (0..border.gates.len()).map(|i| border.junction(i)) {
+                        let inner = || town.town.mains.iter().filter(|m| m.border.is_none());
+                        assert!(inner().any(|m| [m.street.from, m.street.to].contains(&gate)), "{}: a gate", s.name);
+                    }
+                    let mut mains = Vec::new();
+                    for (main, seam) in town.town.mains.iter().zip(&town.seams) {
+                        if main.border.as_ref() == Some(&border) {
+                            assert_eq!(main.left == MainStreet::OUTSIDE, !border.is_left(s.id));
+                            assert_eq!(main.right == MainStreet::OUTSIDE, border.is_left(s.id));
+                            let mut seam = seam.clone();
+                            seam.ports.iter_mut().for_each(|p| p.at += shift);
+                            mains.push((main.street.moved(shift), seam));
+                        }
+                    }
+                    mains.sort_by_key(|(s, _)| s.id);
+                    let shared = town.mains.streets.iter().filter(|s| town.shared.get(&s.id) == Some(&border.origin));
+                    let mut pieces: Vec<_> = shared.map(|s| s.moved(shift)).collect();
+                    pieces.sort_by_key(|s| s.id);
+                    (mains, pieces)
+                });
+                assert_eq!(sides[0], sides[1], "seed {seed}: {} and {}", a.name, b.name);
+                assert_eq!(sides[0].0.len(), border.gates.len() - 1);
+                borders += 1;
+                streets += sides[0].0.len();
+                let ports = sides[0].0.iter().flat_map(|(_, seam)| &seam.ports);
+                crossings += ports.filter(|p| p.left.is_some() && p.right.is_some()).count();
+            }
+        }
+        let area = w.area(Bounds::square(at, 2_400.0), &Cancel::new()).unwrap();
+        let found = audit(&area);
+        assert!(found.is_empty(), "seed {seed}: {} findings, first {}", found.len(), found[0]);
+        for outline in area.outlines.iter().filter(|o| area.bounds.encloses(o.bounds())) {
+            assert_eq!(unreached_gates(&area, outline.origin, &outline.polygon), [], "seed {seed}");
+        }
+    }
+    assert!(
+        borders > 8 && streets > 12 && crossings > 8,
+        "{borders} borders, {streets} streets, {crossings} crossings"
+    );
+}
+
+#[test]
+fn a_conurbation_is_the_same_in_any_order() {
+    for seed in [41, 42] {
+        let (forward, backward) = (world(seed, &conurbation()), world(seed, &conurbation()));
+        let coords = block(built_up(&forward, DVec2::new(-4e6, 9e5)));
+        let get = |w: &World, c: &ChunkCoord| print(&w.chunk(*c, &Cancel::new()).expect("not cancelled"));
+        let expected: Vec<u64> = coords.iter().map(|c| get(&forward, c)).collect();
+        let mut reversed: Vec<u64> = coords.iter().rev().map(|c| get(&backward, c)).collect();
+        reversed.reverse();
+        assert_eq!(expected, reversed, "seed {seed}");
     }
 }
 

@@ -1,12 +1,14 @@
 //! The layers below the chunk put together: towns, seams, streets and parcels with their caches, found by place.
+//!
+//! A town's seams read the plans of the towns that it touches; plans read nothing of each other but the borders.
 
 use crate::chunk::PlacedStreet;
 use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
-use crate::network::{Junction, JunctionId, Network, Street, StreetClass};
+use crate::network::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
 use crate::parcel::{self, CellParcels, ParcelBrief};
 use crate::patch::PatchDatabase;
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
-use crate::seam::{self, Seam};
+use crate::seam::{self, Across, Seam};
 use crate::space::{Bounds, Origin, Seed};
 use crate::streets::{CellBrief, CellFiller, CellStreets, SemanticPatches};
 use crate::terrain::Terrain;
@@ -28,11 +30,13 @@ pub struct StyleKit {
 #[derive(Clone, Debug)]
 pub struct SeamedTown {
     /// Main streets and main cells.
-    pub town: Town,
+    pub town: Arc<Town>,
     /// Seams, one for each main street.
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
     pub mains: Network,
+    /// Streets of `mains` that run along a border, which another town has, too, with the border's origin.
+    pub shared: BTreeMap<StreetId, Origin>,
 }
 
 /// Layers 1 to 7 of a world. Each thing is made once and kept while the cache of its layer has room.
@@ -42,6 +46,7 @@ pub struct Layers {
     settlements: Arc<Settlements>,
     roads: Roads,
     kits: BTreeMap<String, StyleKit>,
+    plans: LayerCache<SettlementId, Town>,
     towns: LayerCache<SettlementId, SeamedTown>,
     streets: LayerCache<(SettlementId, usize), CellStreets>,
     parcels: LayerCache<(SettlementId, usize), CellParcels>,
@@ -85,7 +90,8 @@ impl Layers {
             settlements,
             roads,
             kits,
-            towns: LayerCache::new(share),
+            plans: LayerCache::new(share / 4),
+            towns: LayerCache::new(share / 4 * 3),
             streets: LayerCache::new(share),
             parcels: LayerCache::new(2 * share),
         }
@@ -108,7 +114,7 @@ impl Layers {
 
     /// Bytes held by the caches of towns, streets and parcels.
     pub fn bytes(&self) -> u64 {
-        self.towns.bytes() + self.streets.bytes() + self.parcels.bytes()
+        self.plans.bytes() + self.towns.bytes() + self.streets.bytes() + self.parcels.bytes()
     }
 
     /// Forgets the streets and parcels of every main cell.
@@ -121,16 +127,29 @@ impl Layers {
         self.kits.get(&settlement.style).ok_or_else(|| LayerError::UnknownStyle(settlement.style.clone()))
     }
 
+    /// Main streets and main cells of a settlement.
+    pub fn plan(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<Town>, LayerError> {
+        self.plans.get(&settlement.id, || {
+            let outline = self.settlements.outline(settlement)?;
+            let gates = self.roads.gates(settlement, cancel)?;
+            let style = &self.kit(settlement)?.style;
+            town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)
+        })
+    }
+
     /// Main streets, main cells and seams of a settlement.
     pub fn town(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<SeamedTown>, LayerError> {
         self.towns.get(&settlement.id, || {
-            let kit = self.kit(settlement)?;
-            let outline = self.settlements.outline(settlement)?;
-            let gates = self.roads.gates(settlement, cancel)?;
-            let town = town::plan(self.seed, settlement, &outline, gates, &kit.style, &*self.terrain, cancel)?;
-            let seams = seam::seams(self.seed, &town, &kit.style);
+            let town = self.plan(settlement, cancel)?;
+            let mut touched = Vec::new();
+            for other in self.settlements.touching(settlement)? {
+                touched.push((self.plan(&other, cancel)?, &*self.kit(&other)?.style));
+            }
+            let across: Vec<Across> = touched.iter().map(|(town, style)| Across { town, style }).collect();
+            let seams = seam::seams(self.seed, &town, &self.kit(settlement)?.style, &across);
             let mains = seam::main_network(&town, &seams);
-            Ok(SeamedTown { town, seams, mains })
+            let shared = seam::shared_streets(&town, &seams);
+            Ok(SeamedTown { town, seams, mains, shared })
         })
     }
 
@@ -164,7 +183,8 @@ impl Layers {
             let of = &plan.cells[cell];
             let near = Bounds::of(of.border.iter().copied()).grown(StreetClass::Highway.half_width());
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
-            let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).collect();
+            let across = self.streets_across(plan, near, cancel)?;
+            let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
             let brief = ParcelBrief {
                 seed: self.seed,
                 id: of.id,
@@ -177,11 +197,36 @@ impl Layers {
         })
     }
 
+    /// Main streets of other towns that meet this one's in a gate on their border, near a box; all local to this town.
+    fn streets_across(&self, town: &Town, near: Bounds, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
+        let mut out = Vec::new();
+        for shared in &town.outline.shared {
+            let border = &shared.border;
+            let shift = border.origin.offset_to(town.origin);
+            if !Bounds::of(border.line.iter().map(|p| *p + shift)).overlaps(near) {
+                continue;
+            }
+            let gates: Vec<JunctionId> = (0..border.gates.len()).map(|i| border.junction(i)).collect();
+            for other in self.settlements.touching(&town.settlement)? {
+                if !border.sides.contains(&other.id) {
+                    continue;
+                }
+                let there = self.town(&other, cancel)?;
+                let meets = |s: &&Street| gates.contains(&s.from) || gates.contains(&s.to);
+                for s in there.mains.streets.iter().filter(meets).filter(|s| !there.shared.contains_key(&s.id)) {
+                    let street = s.moved(there.town.origin.offset_to(town.origin));
+                    out.extend(street.bounds().overlaps(near).then_some(street));
+                }
+            }
+        }
+        Ok(out)
+    }
+
     /// Everything that overlaps `bounds` (plan metres), parcels excepted; `reach` says how far the caller may read.
     pub(crate) fn overlapping(&self, bounds: Bounds, reach: &Reach, cancel: &Cancel) -> Result<Overlap, LayerError> {
         let bounds = reach.check(bounds)?;
         let mut out = Overlap::default();
-        let mut seen = BTreeSet::new();
+        let (mut seen, mut borders) = (BTreeSet::new(), BTreeSet::new());
         let mut put_street = |out: &mut Overlap, origin: Origin, it: PlacedStreet| {
             if it.street.bounds().moved(origin.plan()).overlaps(bounds) {
                 for (id, at) in [(it.street.from, it.street.line.first()), (it.street.to, it.street.line.last())] {
@@ -205,7 +250,13 @@ impl Layers {
             let town = self.town(&settlement, cancel)?;
             let origin = town.town.origin;
             for street in &town.mains.streets {
-                put_street(&mut out, origin, PlacedStreet { street: street.clone(), made_by: None });
+                // Both towns at a border give the very same bits, whichever comes first.
+                let shared = town.shared.get(&street.id);
+                if shared.is_none() || borders.insert(street.id) {
+                    let at = shared.copied().unwrap_or(origin);
+                    let street = street.moved(origin.offset_to(at));
+                    put_street(&mut out, at, PlacedStreet { street, made_by: None });
+                }
             }
             for (i, cell) in town.town.cells.iter().enumerate() {
                 if !Bounds::of(cell.border.iter().copied()).moved(origin.plan()).overlaps(bounds) {
@@ -238,13 +289,20 @@ fn border_widths(town: &Town, cell: &MainCell) -> Vec<Option<f64>> {
     widths
 }
 
-impl Weigh for SeamedTown {
+impl Weigh for Town {
     fn bytes(&self) -> usize {
         let point = size_of::<DVec2>();
-        let cells: usize = self.town.cells.iter().map(|c| 200 + c.border.len() * point).sum();
-        let mains: usize = self.town.mains.iter().map(|m| 200 + m.street.line.len() * point).sum();
+        let cells: usize = self.cells.iter().map(|c| 200 + c.border.len() * point).sum();
+        let mains: usize = self.mains.iter().map(|m| 200 + m.street.line.len() * point).sum();
+        cells + mains + self.outline.polygon.len() * point
+    }
+}
+
+impl Weigh for SeamedTown {
+    fn bytes(&self) -> usize {
         let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
-        cells + mains + ports + weigh_network(&self.mains) + self.town.outline.polygon.len() * point
+        let shared = self.shared.len() * 48;
+        self.town.bytes() + ports + shared + weigh_network(&self.mains)
     }
 }
 

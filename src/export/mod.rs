@@ -69,8 +69,10 @@ pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, La
         .map(|(id, at)| Owned { chunk: owner_of(origin, at, size), it: Junction { id, at } })
         .collect();
     for settlement in world.settlements().overlapping(bounds)? {
-        if world.settlements().outline(&settlement)?.bounds().overlaps(bounds) {
+        let outline = world.settlements().outline(&settlement)?;
+        if outline.bounds().overlaps(bounds) {
             area.settlements.push(settlement);
+            area.outlines.push(outline);
         }
     }
     Ok(area)

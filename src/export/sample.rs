@@ -100,6 +100,7 @@ pub fn town(centre: DVec2) -> Sample {
     };
     let ring =
         (0..24).map(|k| quantize(math::direction(f64::from(k) * std::f64::consts::TAU / 24.0) * 260.0)).collect();
+    let outline = Arc::new(Outline { origin, polygon: ring, shared: Vec::new() });
     let area = Area {
         origin,
         bounds: Bounds::square(centre, 800.0),
@@ -109,7 +110,8 @@ pub fn town(centre: DVec2) -> Sample {
         lots,
         footprints,
         settlements: vec![Arc::new(settlement)],
+        outlines: vec![outline.clone()],
         unmet_ports: 0,
     };
-    Sample { area, outlines: vec![Arc::new(Outline { origin, polygon: ring })], terrain: Hills(origin.plan()) }
+    Sample { area, outlines: vec![outline], terrain: Hills(origin.plan()) }
 }

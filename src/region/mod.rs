@@ -1,13 +1,18 @@
 //! Layers 2 and 3: settlements with their outlines, and the roads between them.
 //!
 //! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
-//! the outlines of settlements, in gates, so outlines are made here.
+//! the outlines of settlements, in gates, so outlines are made here. Settlements that stand close enough touch: they share a
+//! border, from which both outlines take their vertices. A border reads the settlements near its two, so an outline reads
+//! those near its neighbours.
 
+mod border;
 pub mod outline;
+mod profile;
 pub mod road;
 pub mod settlement;
 
-pub use outline::Outline;
+pub use border::Border;
+pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
 pub use settlement::{
     PerSize, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements, SizeClass,

@@ -1,30 +1,54 @@
 //! Outlines of settlements: star-shaped polygons that noise, water, steep ground and neighbours give their form.
 
-use super::settlement::site::{Course, SHORE, ray};
-use crate::region::Settlement;
-use crate::space::{Bounds, Origin, Seed, distance_to_segment, math, point_in_polygon, quantize, signed_area};
+use super::profile::Profile;
+use super::settlement::site::SHORE;
+use crate::network::StreetClass;
+use crate::region::{Border, Gate, Settlement};
+use crate::space::{Bounds, Origin, distance_to_segment, left_normal, math, point_in_polygon, quantize, signed_area};
 use crate::terrain::Terrain;
 use glam::DVec2;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-/// Distance kept to the line between two settlements, in metres.
+/// Distance kept to the line between two settlements where they share no border, in metres.
 pub(super) const BORDER: f64 = 40.0;
-/// Distance between rays, and the distance aimed at between vertices, in metres.
+/// Metres that an outline draws back from that line for each metre beyond the end of a border.
+const PART: f64 = 0.6;
+/// Distance aimed at between vertices, in metres.
 const SPACING: f64 = 60.0;
 /// Least and greatest distance between neighbouring vertices, in metres.
 const VERTEX_DISTANCE: (f64, f64) = (40.0, 90.0);
 /// Greatest change of the radius per radian, in radii: neither spikes nor notches.
 const STEEPEST: f64 = 0.85;
-/// Share of the radius that the outline of an unhindered settlement has on average, and how far noise takes it from that.
-const ROUND: (f64, f64) = (0.83, 0.17);
 
 /// The outline of a settlement: a polygon, star-shaped about the centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Origin the polygon is local to: the settlement's centre.
     pub origin: Origin,
-    /// Counter-clockwise, on the quantum grid, neighbours 40 to 90 m apart, star-shaped about (0, 0).
+    /// Counter-clockwise, on the quantum grid, neighbours 40 to 90 m apart, star-shaped about (0, 0). Between two borders
+    /// that end near each other, and where water draws it in, vertices may be nearer or farther.
     pub polygon: Vec<DVec2>,
+    /// Borders with settlements that it touches, in order along the polygon.
+    pub shared: Vec<SharedBorder>,
+}
+
+/// A border as part of an outline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SharedBorder {
+    /// The border.
+    pub border: Arc<Border>,
+    /// Index in the polygon of the border's first vertex on the way around; the others follow without a break.
+    pub first: usize,
+    /// Whether the polygon runs along the border's line, with the settlement on its left, or against it.
+    pub forward: bool,
+}
+
+impl SharedBorder {
+    /// Index in the outline's polygon of a vertex of the border's line.
+    pub fn vertex(&self, of_line: usize) -> usize {
+        self.first + if self.forward { of_line } else { self.border.line.len() - 1 - of_line }
+    }
 }
 
 impl Outline {
@@ -52,34 +76,128 @@ impl Outline {
         signed_area(&self.polygon)
     }
 
+    /// The gates on its borders, by vertex: where main streets of two settlements meet. The middle one of each border has
+    /// the class of an arterial, the others that of a main street.
+    pub fn border_gates(&self) -> Vec<Gate> {
+        let n = self.polygon.len();
+        let gate = |shared: &SharedBorder, i: usize| {
+            let border = &shared.border;
+            let vertex = shared.vertex(border.gates[i]);
+            let (before, after) = (self.polygon[(vertex + n - 1) % n], self.polygon[(vertex + 1) % n]);
+            let class = if i == border.gates.len() / 2 { StreetClass::Arterial } else { StreetClass::Main };
+            let inward = left_normal(after - before).normalize_or_zero();
+            Gate { junction: border.junction(i), vertex, at: self.polygon[vertex], inward, class }
+        };
+        let mut out = Vec::new();
+        for shared in &self.shared {
+            out.extend((0..shared.border.gates.len()).map(|i| gate(shared, i)));
+        }
+        out.sort_by_key(|g| g.vertex);
+        out
+    }
+
     /// The outline of `settlement` among its `neighbours`, which must hold every settlement whose circle comes within
-    /// twice [`BORDER`] of its own.
+    /// twice [`BORDER`] of its own, each with the border that the two share.
     pub(super) fn new(
-        seed: Seed,
         terrain: &dyn Terrain,
-        max_slope: f64,
         settlement: &Settlement,
-        neighbours: &[impl AsRef<Settlement>],
+        profile: &Profile,
+        neighbours: &[(Arc<Settlement>, Option<Arc<Border>>)],
     ) -> Self {
-        let radius = settlement.radius;
-        let rays = ((TAU * radius / SPACING / 4.0).ceil() as usize * 4).max(24);
-        let ways: Vec<DVec2> = (0..rays).map(|i| math::direction(i as f64 / rays as f64 * TAU)).collect();
-        let mut reach = natural_reach(seed, terrain, max_slope, settlement, &ways);
-        for other in neighbours.iter().map(AsRef::as_ref).filter(|n| n.id != settlement.id) {
-            let offset = other.centre.offset_to(settlement.centre);
-            let border = power_line(offset.length(), radius, other.radius) - BORDER;
+        let (centre, radius, ways) = (settlement.centre, settlement.radius, &profile.ways);
+        let mut reach = profile.reach.clone();
+        let mut held: Vec<bool> = vec![false; reach.len()];
+        let mut chains: Vec<Chain> = Vec::new();
+        for (other, border) in neighbours.iter().filter(|(n, _)| n.id != settlement.id) {
+            let offset = other.centre.offset_to(centre);
+            let line = power_line(offset.length(), radius, other.radius);
             let toward = offset.normalize_or_zero();
-            for (r, way) in reach.iter_mut().zip(&ways) {
+            let chain = border.as_ref().map(|border| Chain {
+                points: border.around(settlement.id, centre),
+                shared: SharedBorder { border: border.clone(), first: 0, forward: border.is_left(settlement.id) },
+            });
+            for (r, way) in reach.iter_mut().zip(ways) {
                 let facing = way.dot(toward);
-                if facing * *r > border {
-                    *r = border.max(0.0) / facing;
+                let gap = chain.as_ref().map_or(BORDER, |c| c.gap(toward, line, *way));
+                let limit = line - gap;
+                if facing * *r > limit {
+                    *r = limit.max(0.0) / facing;
+                }
+            }
+            chains.extend(chain);
+        }
+        for chain in &chains {
+            for (i, way) in ways.iter().enumerate() {
+                if let Some(r) = chain.met_by(*way) {
+                    (reach[i], held[i]) = (r, true);
                 }
             }
         }
-        smooth(&mut reach);
+        smooth_beside(&mut reach, &held);
         let curve: Vec<DVec2> = ways.iter().zip(&reach).map(|(way, r)| *way * *r).collect();
-        Self { origin: settlement.centre, polygon: vertices(terrain, settlement.centre, &curve) }
+        if chains.is_empty() {
+            let polygon = vertices(terrain, centre, &curve, true);
+            return Self { origin: centre, polygon, shared: Vec::new() };
+        }
+        chains.sort_by(|a, b| math::angle_of(a.points[0]).total_cmp(&math::angle_of(b.points[0])));
+        let (mut polygon, mut shared) = (Vec::new(), Vec::new());
+        for (i, chain) in chains.iter().enumerate() {
+            let next = chains[(i + 1) % chains.len()].points[0];
+            let last = chain.points[chain.points.len() - 1];
+            shared.push(SharedBorder { first: polygon.len(), ..chain.shared.clone() });
+            polygon.extend_from_slice(&chain.points);
+            let arc = free_arc(&curve, &held, last, next);
+            polygon.extend(vertices(terrain, centre, &arc, false));
+        }
+        Self { origin: centre, polygon, shared }
     }
+}
+
+/// A border seen from the centre of one of its settlements.
+struct Chain {
+    /// Vertices, counter-clockwise.
+    points: Vec<DVec2>,
+    shared: SharedBorder,
+}
+
+impl Chain {
+    /// Distance that a ray keeps to the line, `line` metres off `toward` the neighbour: none along the border, more the
+    /// farther it is from its ends.
+    fn gap(&self, toward: DVec2, line: f64, way: DVec2) -> f64 {
+        let facing = way.dot(toward);
+        if facing <= 0.0 {
+            return BORDER;
+        }
+        let across = left_normal(toward);
+        let (low, high) = (self.points[0].dot(across), self.points[self.points.len() - 1].dot(across));
+        let at = way.dot(across) / facing * line;
+        BORDER.min(PART * (low - at).max(at - high).max(0.0))
+    }
+
+    /// Distance at which a ray meets the border.
+    fn met_by(&self, way: DVec2) -> Option<f64> {
+        self.points.windows(2).find_map(|w| {
+            let (p, q) = (w[0], w[1]);
+            let between = p.perp_dot(way) >= 0.0 && way.perp_dot(q) >= 0.0 && way.dot(p + q) > 0.0;
+            between.then(|| p.perp_dot(q - p) / way.perp_dot(q - p))
+        })
+    }
+}
+
+/// The part of a curve, given by its points on evenly spread rays, that lies counter-clockwise between two borders, from
+/// the end of one to the start of the next; these included.
+fn free_arc(curve: &[DVec2], held: &[bool], from: DVec2, to: DVec2) -> Vec<DVec2> {
+    let angle = |p: DVec2| (math::angle_of(p) - math::angle_of(from)).rem_euclid(TAU);
+    let span = angle(to);
+    let mut between: Vec<(f64, DVec2)> = curve
+        .iter()
+        .zip(held)
+        .filter(|(p, held)| !**held && p.length() > 0.0)
+        .map(|(p, _)| (angle(*p), *p))
+        .filter(|(a, _)| *a > 0.0 && *a < span)
+        .collect();
+    between.sort_by(|a, b| a.0.total_cmp(&b.0));
+    std::iter::once(from).chain(between.into_iter().map(|b| b.1)).chain([to]).collect()
 }
 
 /// Distance from the centre of a circle to the line that parts it from another circle in their power diagram. The
@@ -88,58 +206,32 @@ pub(super) fn power_line(apart: f64, own: f64, other: f64) -> f64 {
     (apart * apart + own * own - other * other) / (2.0 * apart)
 }
 
-/// How far noise and ground let a settlement go each way.
-fn natural_reach(seed: Seed, terrain: &dyn Terrain, max_slope: f64, of: &Settlement, ways: &[DVec2]) -> Vec<f64> {
-    let mut stream = seed.stream("outline", &[of.id.0]);
-    // Harmonics of the circle; their amplitudes sum to at most 1.
-    let waves = [(2.0, 0.4), (3.0, 0.3), (4.0, 0.2), (7.0, 0.1)]
-        .map(|(k, most)| (k, most * stream.range(0.3, 1.0), stream.range(0.0, TAU)));
-    let (centre, mut ground) = (of.centre.plan(), terrain.scan());
-    let limits: Vec<f64> = (0..ways.len())
-        .map(|i| {
-            let angle = i as f64 / ways.len() as f64 * TAU;
-            let noise: f64 = waves.iter().map(|(k, amplitude, phase)| amplitude * math::cos(k * angle + phase)).sum();
-            of.radius * (ROUND.0 + ROUND.1 * noise).min(0.995)
-        })
-        .collect();
-    // Near the centre rays are close together: there every fourth, then every second, is followed for all.
-    let mut reach = limits.clone();
-    for (first, every, from) in [(0, 4, 0.0), (2, 4, 0.25), (1, 2, 0.5)] {
-        for i in (first..ways.len()).step_by(every) {
-            let (way, limit) = (ways[i], limits[i]);
-            let beside = [i + every / 2, i + ways.len() - every / 2].map(|k| reach[k % ways.len()]);
-            let (least, mut from) = (beside[0].min(beside[1]), from * limit);
-            if from > 0.0 && least < from {
-                reach[i] = least;
-                continue;
-            }
-            if from > 0.0 && ground(centre + way * from).depth() > 0.0 {
-                from = 0.0;
-            }
-            let course = Course { centre, way, from, limit, fine: f64::INFINITY };
-            reach[i] = ray(&mut ground, course, max_slope).reach;
-        }
-    }
-    reach
-}
-
 /// Takes spikes off: no radius is much greater than its neighbours', none greater than it was.
 pub(super) fn smooth(reach: &mut [f64]) {
+    smooth_beside(reach, &vec![false; reach.len()]);
+}
+
+/// The same, where some radii are held as they are.
+fn smooth_beside(reach: &mut [f64], held: &[bool]) {
     let n = reach.len();
     let growth = 1.0 + STEEPEST * TAU / n as f64;
     let limit = |reach: &mut [f64]| {
         // Twice around each way, so that a limit carries over the start.
         for i in 0..2 * n {
-            reach[(i + 1) % n] = reach[(i + 1) % n].min(reach[i % n] * growth);
+            if !held[(i + 1) % n] {
+                reach[(i + 1) % n] = reach[(i + 1) % n].min(reach[i % n] * growth);
+            }
         }
         for i in (0..2 * n).rev() {
-            reach[i % n] = reach[i % n].min(reach[(i + 1) % n] * growth);
+            if !held[i % n] {
+                reach[i % n] = reach[i % n].min(reach[(i + 1) % n] * growth);
+            }
         }
     };
     limit(reach);
     for _ in 0..3 {
         let before = reach.to_vec();
-        for i in 0..n {
+        for i in (0..n).filter(|i| !held[*i]) {
             let mean = (before[(i + n - 1) % n] + 2.0 * before[i] + before[(i + 1) % n]) / 4.0;
             reach[i] = reach[i].min(mean);
         }
@@ -147,25 +239,32 @@ pub(super) fn smooth(reach: &mut [f64]) {
     limit(reach);
 }
 
-/// Vertices along the closed `curve`, evenly spaced, drawn in to dry ground where a chord cuts a bay.
-fn vertices(terrain: &dyn Terrain, origin: Origin, curve: &[DVec2]) -> Vec<DVec2> {
+/// Vertices along a curve, evenly spaced, drawn in to dry ground where a chord cuts a bay. All around a `closed` curve;
+/// between the ends of an open one, which are vertices already.
+fn vertices(terrain: &dyn Terrain, origin: Origin, curve: &[DVec2], closed: bool) -> Vec<DVec2> {
+    let pieces = if closed { curve.len() } else { curve.len() - 1 };
     let mut along = vec![0.0];
-    for i in 0..curve.len() {
+    for i in 0..pieces {
         along.push(along[i] + curve[i].distance(curve[(i + 1) % curve.len()]));
     }
-    let length = along[curve.len()];
-    let wanted = (length / SPACING).round().max(3.0);
+    let length = along[pieces];
+    let least = if closed { 3.0 } else { 1.0 };
+    let wanted = (length / SPACING).round().max(least);
     let mut best: Option<(f64, Vec<DVec2>)> = None;
-    // Numbers of vertices, the wanted one first, then outwards.
+    // Numbers of edges, the wanted one first, then outwards.
     for k in 0..24 {
         let n = wanted + f64::from(k / 2 + k % 2) * if k % 2 == 1 { 1.0 } else { -1.0 };
-        if n < 3.0 {
+        if n < least {
             continue;
         }
-        let polygon: Vec<DVec2> = (0..n as usize)
-            .map(|i| dry_point(terrain, origin, on_curve(curve, &along, i as f64 / n * length)))
-            .collect();
-        let edges = (0..polygon.len()).map(|i| polygon[i].distance(polygon[(i + 1) % polygon.len()]));
+        let point = |i: usize| dry_point(terrain, origin, on_curve(curve, &along, i as f64 / n * length));
+        let mut polygon: Vec<DVec2> = (usize::from(!closed)..n as usize).map(point).collect();
+        if !closed {
+            polygon.insert(0, curve[0]);
+            polygon.push(curve[pieces]);
+        }
+        let last = polygon.len() - usize::from(!closed);
+        let edges = (0..last).map(|i| polygon[i].distance(polygon[(i + 1) % polygon.len()]));
         let (least, greatest) = edges.fold((f64::INFINITY, 0.0f64), |(l, g), d| (l.min(d), g.max(d)));
         let off = (VERTEX_DISTANCE.0 - least).max(greatest - VERTEX_DISTANCE.1);
         if best.as_ref().is_none_or(|b| off < b.0) {
@@ -175,10 +274,15 @@ fn vertices(terrain: &dyn Terrain, origin: Origin, curve: &[DVec2]) -> Vec<DVec2
             break;
         }
     }
-    best.map(|b| b.1).unwrap_or_default()
+    let mut out = best.map(|b| b.1).unwrap_or_default();
+    if !closed {
+        out.pop();
+        out.remove(0);
+    }
+    out
 }
 
-/// The point `at` metres along the closed curve whose points lie at `along`.
+/// The point `at` metres along the curve whose points lie at `along`.
 fn on_curve(curve: &[DVec2], along: &[f64], at: f64) -> DVec2 {
     let i = (along.partition_point(|a| *a <= at).max(1) - 1).min(curve.len() - 1);
     let length = along[i + 1] - along[i];

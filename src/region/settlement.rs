@@ -13,8 +13,10 @@ pub use settings::{PerSize, SettlementSettings};
 pub use table::{SettlementRow, SettlementTable};
 
 use crate::layer::{LayerCache, LayerError, Reach, Weigh};
-use crate::region::Outline;
+use crate::region::border::Found;
 use crate::region::outline::{BORDER, power_line};
+use crate::region::profile::Profile;
+use crate::region::{Border, Outline};
 use crate::space::{Bounds, Origin, Seed, Stream, stable_hash};
 use crate::terrain::Terrain;
 use glam::{DVec2, I64Vec2};
@@ -24,7 +26,7 @@ use std::sync::Arc;
 /// Places that a lattice cell tries.
 const PLACES: usize = 6;
 /// Share of its radius that a settlement keeps free of the line to a neighbour, and the least of that in metres.
-const KEEP: (f64, f64) = (0.6, 110.0);
+const KEEP: (f64, f64) = (0.5, 110.0);
 /// Circles nearer than this bound each other's outlines.
 const NEIGHBOUR: f64 = 3.0 * BORDER;
 
@@ -103,7 +105,9 @@ impl Weigh for Cell {
 
 impl Weigh for Outline {
     fn bytes(&self) -> usize {
-        size_of::<Self>() + size_of::<DVec2>() * self.polygon.len()
+        // Borders live as long as an outline names them.
+        let borders = self.shared.iter().map(|s| 200 + size_of::<DVec2>() * s.border.line.len());
+        size_of::<Self>() + size_of::<DVec2>() * self.polygon.len() + borders.sum::<usize>()
     }
 }
 
@@ -118,6 +122,8 @@ pub struct Settlements {
     /// The best place of a cell, before it is compared with those of its tier.
     candidates: PerSize<CellCache>,
     accepted: PerSize<CellCache>,
+    profiles: LayerCache<SettlementId, Profile>,
+    borders: LayerCache<(SettlementId, SettlementId), Found>,
     outlines: LayerCache<SettlementId, Outline>,
 }
 
@@ -140,7 +146,9 @@ impl Settlements {
             terrain: TerrainHandle(terrain),
             candidates: PerSize::from_fn(|_| CellCache::new(cache_bytes / 12)),
             accepted: PerSize::from_fn(|_| CellCache::new(cache_bytes / 12)),
-            outlines: LayerCache::new(cache_bytes / 2),
+            profiles: LayerCache::new(cache_bytes / 8),
+            borders: LayerCache::new(cache_bytes / 8),
+            outlines: LayerCache::new(cache_bytes / 4),
         }
     }
 
@@ -157,19 +165,65 @@ impl Settlements {
         Ok(found)
     }
 
-    /// Outline of a settlement.
+    /// Outline of a settlement. It reads the settlements near it, and for the borders with those that it touches the ones
+    /// near these.
     pub fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError> {
         self.outlines.get(&settlement.id, || {
-            let own = Bounds::square(settlement.centre.plan(), 0.0);
-            let padding = settlement.radius + self.largest_radius() + NEIGHBOUR;
-            let near = Reach::new("outline", own, padding).check(own.grown(padding))?;
-            let mut neighbours = self.centred_in(near)?;
-            neighbours.retain(|n| {
-                let apart = settlement.centre.offset_to(n.centre).length();
-                apart < settlement.radius + n.radius + NEIGHBOUR
-            });
-            Ok(Outline::new(self.seed, &*self.terrain.0, self.settings.max_slope, settlement, &neighbours))
+            let mut neighbours = Vec::new();
+            for other in self.near(settlement)? {
+                let border = self.border(settlement, &other)?;
+                neighbours.push((other, border));
+            }
+            let profile = self.profile(settlement)?;
+            Ok(Outline::new(&*self.terrain.0, settlement, &profile, &neighbours))
         })
+    }
+
+    /// The border of two settlements, `None` where they do not touch. The same whichever is named first.
+    pub fn border(&self, a: &Settlement, b: &Settlement) -> Result<Option<Arc<Border>>, LayerError> {
+        if a.id == b.id || a.centre.offset_to(b.centre).length() >= a.radius + b.radius {
+            return Ok(None);
+        }
+        let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
+        let found = self.borders.get(&(a.id, b.id), || {
+            let mut others = self.near(a)?;
+            others.extend(self.near(b)?);
+            others.sort_by_key(|s| s.id);
+            others.dedup_by_key(|s| s.id);
+            others.retain(|s| s.id != a.id && s.id != b.id);
+            let (of_a, of_b) = (self.profile(a)?, self.profile(b)?);
+            let border = Border::between(self.seed, &*self.terrain.0, [(a, &of_a), (b, &of_b)], &others);
+            Ok(Found(border.map(Arc::new)))
+        })?;
+        Ok(found.0.clone())
+    }
+
+    /// The settlements that a settlement shares a border with, sorted by id.
+    pub fn touching(&self, settlement: &Settlement) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let outline = self.outline(settlement)?;
+        if outline.shared.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut near = self.near(settlement)?;
+        near.retain(|n| outline.shared.iter().any(|s| s.border.sides.contains(&n.id)));
+        Ok(near)
+    }
+
+    fn profile(&self, settlement: &Settlement) -> Result<Arc<Profile>, LayerError> {
+        self.profiles.get(&settlement.id, || Ok(Profile::new(self.seed, &*self.terrain.0, &self.settings, settlement)))
+    }
+
+    /// The other settlements whose circle is near that of a settlement, sorted by id.
+    fn near(&self, settlement: &Settlement) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let own = Bounds::square(settlement.centre.plan(), 0.0);
+        let padding = settlement.radius + self.largest_radius() + NEIGHBOUR;
+        let near = Reach::new("outline", own, padding).check(own.grown(padding))?;
+        let mut neighbours = self.centred_in(near)?;
+        neighbours.retain(|n| {
+            let apart = settlement.centre.offset_to(n.centre).length();
+            n.id != settlement.id && apart < settlement.radius + n.radius + NEIGHBOUR
+        });
+        Ok(neighbours)
     }
 
     /// Settlements whose outline may overlap `bounds` (their circles do), sorted by id.

@@ -2,9 +2,10 @@
 
 use crate::network::{Junction, Network, Street, StreetId};
 use crate::seam::{CellPort, Port, Seam};
-use crate::space::{left_normal, point_at, segments};
+use crate::space::{Origin, left_normal, point_at, segments};
 use crate::town::{MainStreet, Town};
 use glam::DVec2;
+use std::collections::BTreeMap;
 
 /// The ports of cell `cell` (index into [`Town::cells`]), in order around its border.
 pub fn cell_ports(town: &Town, seams: &[Seam], cell: usize) -> Vec<CellPort> {
@@ -34,6 +35,14 @@ pub fn main_network(town: &Town, seams: &[Seam]) -> Network {
         network.streets.extend(divided(main, &seam.ports));
     }
     network
+}
+
+/// The streets of [`main_network`] that run along a border, with the origin of that border.
+pub fn shared_streets(town: &Town, seams: &[Seam]) -> BTreeMap<StreetId, Origin> {
+    let along = town.mains.iter().zip(seams).filter_map(|(main, seam)| Some((main.border.as_ref()?, main, seam)));
+    along
+        .flat_map(|(border, main, seam)| divided(main, &seam.ports).into_iter().map(|s| (s.id, border.origin)))
+        .collect()
 }
 
 /// A main street cut at its ports; the street itself where it has none.

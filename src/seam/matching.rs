@@ -1,10 +1,11 @@
 //! Proposing ports on both sides of a main street, and matching them across it.
 
-use super::stub::{Hand, Spot, has_room};
-use crate::network::{JunctionId, StreetClass};
+use super::stub::{Hand, Kerb, Spot, has_room};
+use crate::network::{JunctionId, StreetClass, StreetId};
 use crate::seam::{Port, Seam};
-use crate::space::{QUANTUM, Seed};
-use crate::town::{FieldKind, MainStreet, Style, Town};
+use crate::space::{QUANTUM, Seed, line_length};
+use crate::town::{FieldKind, Style, Town};
+use glam::DVec2;
 
 /// Step of the search for a place where a proposal has room, in metres.
 const SEARCH_STEP: f64 = 4.0;
@@ -41,38 +42,105 @@ impl Attached {
     }
 }
 
-/// The seams of a town, one for each of [`Town::mains`].
+/// A town on the other side of a border.
+#[derive(Clone, Copy, Debug)]
+pub struct Across<'a> {
+    /// Its plan.
+    pub town: &'a Town,
+    /// Its style.
+    pub style: &'a Style,
+}
+
+/// The seams of a town, one for each of [`Town::mains`]. `across` holds the towns that it shares borders with.
 ///
 /// Both sides of a street propose ports, each from a stream of its own; proposals are paired by PatchCity's cost
 /// (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one crossing, and what
-/// stays alone is a T. Cells that got fewer than two ports then get more where there is room.
-pub fn seams(seed: Seed, town: &Town, style: &Style) -> Vec<Seam> {
-    let mut all: Vec<Vec<Attached>> = (0..town.mains.len()).map(|main| seam(seed, town, style, main)).collect();
-    supply_cells(town, style, &mut all);
-    let port = |main: &MainStreet, a: &Attached| {
+/// stays alone is a T. Cells that got fewer than two ports then get more where there is room. Along a border each of the two
+/// towns proposes for its side from its own style, and both find the same ports.
+pub fn seams(seed: Seed, town: &Town, style: &Style, across: &[Across<'_>]) -> Vec<Seam> {
+    let brinks: Vec<Brink> = (0..town.mains.len()).map(|main| Brink::new(town, style, main, across)).collect();
+    let mut all: Vec<Vec<Attached>> = brinks.iter().map(|brink| seam(seed, brink)).collect();
+    supply_cells(town, style, &brinks, &mut all);
+    let port = |brink: &Brink, a: &Attached| {
         let [x, y] = (a.spot.at / QUANTUM).round().as_i64vec2().to_array().map(|v| v as u64);
-        let junction = JunctionId::of(&[main.street.id.0, 0x70, x, y]);
-        Port { junction, along: a.spot.along, at: a.spot.at, left: a.left, right: a.right }
+        let junction = JunctionId::of(&[brink.street.0, 0x70, x, y]);
+        Port { junction, along: a.spot.along, at: a.spot.at + brink.shift, left: a.left, right: a.right }
     };
-    let seam =
-        |(main, list): (&MainStreet, Vec<Attached>)| Seam { ports: list.iter().map(|a| port(main, a)).collect() };
-    town.mains.iter().zip(all).map(seam).collect()
+    let seam = |(brink, list): (&Brink, Vec<Attached>)| Seam { ports: list.iter().map(|a| port(brink, a)).collect() };
+    brinks.iter().zip(all).map(seam).collect()
+}
+
+/// A main street between its two sides. Along a border everything is local to the border, so that both towns find the same
+/// bits.
+struct Brink<'a> {
+    street: StreetId,
+    line: Vec<DVec2>,
+    length: f64,
+    left: Option<Kerb<'a>>,
+    right: Option<Kerb<'a>>,
+    /// What to add to a place of the seam to make it local to the town that asks.
+    shift: DVec2,
+    /// Whether it runs along a border.
+    shared: bool,
+}
+
+impl<'a> Brink<'a> {
+    fn new(town: &'a Town, style: &'a Style, main: usize, across: &[Across<'a>]) -> Self {
+        let street = &town.mains[main];
+        let id = street.street.id;
+        let kerb = |town: &'a Town, style, main, hand, shift| Some(Kerb { town, style, main, hand, shift });
+        let Some(border) = &street.border else {
+            return Self {
+                street: id,
+                line: street.street.line.clone(),
+                length: street.street.length(),
+                left: kerb(town, style, main, Hand::Left, DVec2::ZERO),
+                right: kerb(town, style, main, Hand::Right, DVec2::ZERO),
+                shift: DVec2::ZERO,
+                shared: false,
+            };
+        };
+        let own = Across { town, style };
+        let on = |hand: Hand| {
+            let side = border.sides[usize::from(hand == Hand::Right)];
+            let of = std::iter::once(&own).chain(across).find(|a| a.town.settlement.id == side)?;
+            let main = of.town.mains.iter().position(|m| m.street.id == id)?;
+            kerb(of.town, of.style, main, hand, border.origin.offset_to(of.town.origin))
+        };
+        let line = street.street.moved(town.origin.offset_to(border.origin)).line;
+        Self {
+            street: id,
+            length: line_length(&line),
+            line,
+            left: on(Hand::Left),
+            right: on(Hand::Right),
+            shift: border.origin.offset_to(town.origin),
+            shared: true,
+        }
+    }
+
+    fn kerbs(&self) -> impl Iterator<Item = &Kerb<'a>> {
+        self.left.iter().chain(&self.right)
+    }
 }
 
 /// The ports of one street.
-fn seam(seed: Seed, town: &Town, style: &Style, main: usize) -> Vec<Attached> {
-    let left = proposals(seed, town, style, main, Hand::Left);
-    let right = proposals(seed, town, style, main, Hand::Right);
+fn seam(seed: Seed, brink: &Brink) -> Vec<Attached> {
+    let of = |kerb: &Option<Kerb>| kerb.as_ref().map_or(Vec::new(), |kerb| proposals(seed, brink, kerb));
+    let (left, right) = (of(&brink.left), of(&brink.right));
     let place = |list: &[(Spot, StreetClass)]| list.iter().map(|(s, c)| (s.along, *c)).collect::<Vec<_>>();
-    let pairs = pair(&place(&left), &place(&right), cutoff(style));
+    // Where two styles meet, the middle of both.
+    let cutoff = brink.kerbs().map(|k| cutoff(k.style)).sum::<f64>() / brink.kerbs().count().max(1) as f64;
+    let min_spacing = brink.kerbs().map(|k| k.style.seam.min_spacing).fold(0.0, f64::max);
+    let pairs = pair(&place(&left), &place(&right), cutoff);
     let mut crossings = Vec::new();
     let (mut left_alone, mut right_alone) = (vec![true; left.len()], vec![true; right.len()]);
     for (i, j) in pairs {
         let ((a, class_left), (b, class_right)) = (left[i], right[j]);
         let middle = (a.along + b.along) / 2.0;
-        let room = |s: &Spot| has_room(town, main, s, Hand::Left) && has_room(town, main, s, Hand::Right);
+        let room = |s: &Spot| brink.kerbs().all(|kerb| has_room(kerb, s));
         let spread = (a.along - b.along).abs() / 2.0;
-        if let Some(spot) = settle(&town.mains[main], middle, spread, room) {
+        if let Some(spot) = settle(brink, middle, spread, room) {
             crossings.push(Attached { spot, left: Some(class_left), right: Some(class_right) });
             (left_alone[i], right_alone[j]) = (false, false);
         }
@@ -87,7 +155,7 @@ fn seam(seed: Seed, town: &Town, style: &Style, main: usize) -> Vec<Attached> {
     // Where ports would stand too close, single ones go before pairs.
     let mut out: Vec<Attached> = Vec::new();
     for one in crossings.into_iter().chain(singles) {
-        if out.iter().all(|other| other.suits(&one, style.seam.min_spacing)) {
+        if out.iter().all(|other| other.suits(&one, min_spacing)) {
             out.push(one);
         }
     }
@@ -100,27 +168,26 @@ fn sort(ports: &mut [Attached]) {
 }
 
 /// Proposals of one side, in order along the street, all with room for their stubs.
-fn proposals(seed: Seed, town: &Town, style: &Style, main: usize, hand: Hand) -> Vec<(Spot, StreetClass)> {
-    let street = &town.mains[main];
-    let rules = &style.seam;
-    let mut stream = seed.stream("seam", &[street.street.id.0, hand as u64]);
-    let usable = street.street.length() - 2.0 * rules.min_spacing;
+fn proposals(seed: Seed, brink: &Brink, kerb: &Kerb) -> Vec<(Spot, StreetClass)> {
+    let (rules, hand) = (&kerb.style.seam, kerb.hand);
+    let mut stream = seed.stream("seam", &[brink.street.0, hand as u64]);
+    let usable = brink.length - 2.0 * rules.min_spacing;
     if usable <= 0.0 {
         return Vec::new();
     }
     let count = (usable / rules.spacing).round().max(1.0);
     let step = usable / count;
     // Where streets were surveyed, both sides of a street count alike; elsewhere each has its own rhythm.
-    let phase = if style.main.field == FieldKind::Organic { 0.3 * stream.signed() } else { 0.0 };
+    let phase = if kerb.style.main.field == FieldKind::Organic { 0.3 * stream.signed() } else { 0.0 };
     let mut out: Vec<(Spot, StreetClass)> = Vec::new();
     for i in 0..count as usize {
         let even = rules.min_spacing + (i as f64 + 0.5 + phase) * step;
         let along = even + rules.jitter * rules.spacing * stream.signed();
         let clear = |s: &Spot| {
             let last = out.last().is_none_or(|(o, _)| s.along >= o.along + rules.min_spacing && s.apart(o, hand));
-            last && has_room(town, main, s, hand)
+            last && has_room(kerb, s)
         };
-        if let Some(spot) = settle(street, along, 0.4 * step, clear) {
+        if let Some(spot) = settle(brink, along, 0.4 * step, clear) {
             out.push((spot, StreetClass::Local));
         }
     }
@@ -128,14 +195,13 @@ fn proposals(seed: Seed, town: &Town, style: &Style, main: usize, hand: Hand) ->
 }
 
 /// The place nearest to `along`, at most `reach` metres from it, that is `good`.
-fn settle(street: &MainStreet, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -> Option<Spot> {
-    let length = street.street.length();
+fn settle(brink: &Brink, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -> Option<Spot> {
     let steps = (reach / SEARCH_STEP).floor() as usize;
     let tries = std::iter::once(along).chain((1..=steps).flat_map(|i| {
         let d = i as f64 * SEARCH_STEP;
         [along + d, along - d]
     }));
-    tries.filter(|s| *s > 0.0 && *s < length).find_map(|s| Spot::near(street, s).filter(&good))
+    tries.filter(|s| *s > 0.0 && *s < brink.length).find_map(|s| Spot::near(&brink.line, s).filter(&good))
 }
 
 /// Distance along the street up to which proposals of the two sides become one crossing.
@@ -190,8 +256,9 @@ fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) 
     out
 }
 
-/// Gives cells with fewer than two ports more, where there is room: a T, or else the other arm of one.
-fn supply_cells(town: &Town, style: &Style, all: &mut [Vec<Attached>]) {
+/// Gives cells with fewer than two ports more, where there is room: a T, or else the other arm of one. Not on borders, where
+/// the other town would have to know.
+fn supply_cells(town: &Town, style: &Style, brinks: &[Brink], all: &mut [Vec<Attached>]) {
     for cell in &town.cells {
         let mut sides: Vec<(usize, Hand)> = cell
             .sides
@@ -209,17 +276,21 @@ fn supply_cells(town: &Town, style: &Style, all: &mut [Vec<Attached>]) {
             if count(all) >= 2 {
                 break;
             }
-            let street = &town.mains[main];
-            let length = street.street.length();
+            let (brink, length) = (&brinks[main], brinks[main].length);
+            let kerb = match hand {
+                Hand::Left => &brink.left,
+                Hand::Right => &brink.right,
+            };
+            let Some(kerb) = kerb.as_ref().filter(|_| !brink.shared) else { continue };
             let end = style.seam.min_spacing;
             let good = |s: &Spot| {
                 let new = Attached::one(*s, hand, StreetClass::Local);
                 s.along >= end
                     && s.along <= length - end
                     && all[main].iter().all(|a| a.suits(&new, end))
-                    && has_room(town, main, s, hand)
+                    && has_room(kerb, s)
             };
-            if let Some(spot) = settle(street, length / 2.0, length / 2.0, good) {
+            if let Some(spot) = settle(brink, length / 2.0, length / 2.0, good) {
                 all[main].push(Attached::one(spot, hand, StreetClass::Local));
                 sort(&mut all[main]);
                 continue;
@@ -227,7 +298,7 @@ fn supply_cells(town: &Town, style: &Style, all: &mut [Vec<Attached>]) {
             let arm = (0..all[main].len()).find(|i| {
                 let a = &all[main][*i];
                 let others = || all[main].iter().filter(|b| b.has(hand));
-                !a.has(hand) && others().all(|b| b.spot.apart(&a.spot, hand)) && has_room(town, main, &a.spot, hand)
+                !a.has(hand) && others().all(|b| b.spot.apart(&a.spot, hand)) && has_room(kerb, &a.spot)
             });
             if let Some(a) = arm.map(|i| &mut all[main][i]) {
                 match hand {

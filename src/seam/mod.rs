@@ -1,6 +1,7 @@
 //! Layer 5: seams. Along each main street the two cells beside it propose attachment points from their styles; matched,
 //! they become ports that both cells start from. Reads town and styles; the result is a function of the street, its two
-//! cells and their styles alone, so the padding is that of the town.
+//! cells and their styles alone, so the padding is that of the town. Along a border the two cells are of two towns, and the
+//! seam reads both plans.
 
 mod cut;
 mod matching;
@@ -8,8 +9,8 @@ mod stub;
 #[cfg(test)]
 mod tests;
 
-pub use cut::{cell_ports, main_network};
-pub use matching::seams;
+pub use cut::{cell_ports, main_network, shared_streets};
+pub use matching::{Across, seams};
 
 use crate::network::{JunctionId, StreetClass};
 use glam::DVec2;

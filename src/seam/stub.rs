@@ -4,7 +4,7 @@
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{MainStreet, Town};
+use crate::town::{Style, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
@@ -38,12 +38,13 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// The spot near `along` metres on a street that keeps off points of inflexion; `None` where these are close together.
-    pub fn near(street: &MainStreet, along: f64) -> Option<Self> {
+    /// The spot near `along` metres on a street's line that keeps off points of inflexion; `None` where these are close
+    /// together.
+    pub fn near(line: &[DVec2], along: f64) -> Option<Self> {
         let mut start = 0.0;
-        for (segment, (a, b)) in segments(&street.street.line).enumerate() {
+        for (segment, (a, b)) in segments(line).enumerate() {
             let length = a.distance(b);
-            if along <= start + length || segment + 2 == street.street.line.len() {
+            if along <= start + length || segment + 2 == line.len() {
                 if length < 2.0 * STRAIGHT {
                     return None;
                 }
@@ -71,15 +72,28 @@ impl Spot {
     }
 }
 
-/// Whether a stub from `spot` on street `main` to one hand has the room that is promised.
-pub(super) fn has_room(town: &Town, main: usize, spot: &Spot, hand: Hand) -> bool {
-    let street = &town.mains[main];
+/// One side of a main street: the town that its cell belongs to, and what that town's style proposes.
+#[derive(Clone, Copy)]
+pub(super) struct Kerb<'a> {
+    pub town: &'a Town,
+    pub style: &'a Style,
+    /// Index of the street among the town's.
+    pub main: usize,
+    pub hand: Hand,
+    /// What to add to a place of the seam to make it local to the town.
+    pub shift: DVec2,
+}
+
+/// Whether a stub from `spot` has the room that is promised.
+pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
+    let (main, hand) = (kerb.main, kerb.hand);
+    let street = &kerb.town.mains[main];
     let cell = match hand {
         Hand::Left => street.left,
         Hand::Right => street.right,
     };
-    let Some(cell) = town.cells.get(cell) else { return false };
-    let (from, inward) = (spot.at, spot.inward(hand));
+    let Some(cell) = kerb.town.cells.get(cell) else { return false };
+    let (from, inward) = (spot.at + kerb.shift, spot.inward(hand));
     let tip = from + inward * STUB_LENGTH;
     let reach = Bounds::of([from, tip]).grown(ROOM);
     let n = cell.border.len();
@@ -91,7 +105,7 @@ pub(super) fn has_room(town: &Town, main: usize, spot: &Spot, hand: Hand) -> boo
                 return true;
             }
             let segment = if side.forward { i } else { side.count - 1 - i };
-            if !same || !one_run(street, segment, spot) {
+            if !same || !one_run(&street.street.line, segment, spot) {
                 return segment_distance(from, tip, a, b) >= ROOM;
             }
             // A run that bends towards the stub must not come near its end.
@@ -100,9 +114,8 @@ pub(super) fn has_room(town: &Town, main: usize, spot: &Spot, hand: Hand) -> boo
     })
 }
 
-/// Whether the street bends little between a segment and the spot's.
-fn one_run(street: &MainStreet, segment: usize, spot: &Spot) -> bool {
-    let line = &street.street.line;
+/// Whether a street's line bends little between a segment and the spot's.
+fn one_run(line: &[DVec2], segment: usize, spot: &Spot) -> bool {
     let (low, high) = (segment.min(spot.segment), segment.max(spot.segment));
     (low..=high).all(|k| angle_between(line[k + 1] - line[k], spot.direction) <= BEND)
 }

@@ -23,8 +23,8 @@ fn other_sides(town: &Town, cell: usize, main: usize, forward: bool, a: DVec2, b
 /// Checks the seams of a town; its cells with fewer than two ports, and all its cells.
 fn check(case: &Case, what: &str) -> (usize, usize) {
     let town = case.plan();
-    let seams = seams(case.seed, &town, &case.style);
-    assert_eq!(seams, super::seams(case.seed, &town, &case.style), "{what}: not the same again");
+    let seams = seams(case.seed, &town, &case.style, &[]);
+    assert_eq!(seams, super::seams(case.seed, &town, &case.style, &[]), "{what}: not the same again");
     assert_eq!(seams.len(), town.mains.len());
     let rules = &case.style.seam;
     for (main, seam) in town.mains.iter().zip(&seams) {

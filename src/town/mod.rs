@@ -1,5 +1,6 @@
 //! Layer 4: a settlement's main streets and main cells, planned whole. Reads terrain, the settlement with its outline and
-//! its gates; everything lies within the outline, so the padding is the settlement's radius.
+//! its gates; everything lies within the outline, so the padding is the settlement's radius. Streets along the borders with
+//! settlements that it touches come from the outline, so the plans of both hold the same.
 
 mod field;
 mod plan;
@@ -12,7 +13,7 @@ pub use plan::plan;
 pub use style::{FieldKind, Filler, LocalRules, MainRules, ParcelRules, SeamRules, Style};
 
 use crate::network::{Junction, Street};
-use crate::region::{Gate, Outline, Settlement};
+use crate::region::{Border, Gate, Outline, Settlement};
 use crate::space::Origin;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,14 @@ pub struct MainStreet {
     pub left: usize,
     /// Index of the main cell on its right (the same as `left` for a street that runs into a cell and ends).
     pub right: usize,
+    /// The border with another settlement that it is a part of. That settlement has the same street, and the cell on one
+    /// side: here it is [`MainStreet::OUTSIDE`].
+    pub border: Option<Arc<Border>>,
+}
+
+impl MainStreet {
+    /// Stands for a cell of another settlement.
+    pub const OUTSIDE: usize = usize::MAX;
 }
 
 /// A run of border edges of a main cell.
@@ -70,7 +79,7 @@ pub struct Town {
     pub origin: Origin,
     /// Its outline.
     pub outline: Arc<Outline>,
-    /// Where roads enter; each is the end of a main street.
+    /// Where roads enter, and where main streets cross a border; each is the end of a main street.
     pub gates: Vec<Gate>,
     /// Directions that streets follow.
     pub field: DirectionField,

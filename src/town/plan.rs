@@ -1,6 +1,7 @@
 //! Planning a settlement: field, growth, gates, repair, arterials, cells.
 
 mod arterial;
+mod border;
 mod cells;
 mod fringe;
 mod grow;
@@ -22,11 +23,12 @@ use std::sync::Arc;
 
 use sketch::{Rules, Sketch};
 
-/// Plans a settlement. A pure function of its arguments; `gates` lie on vertices of `outline`, each on its own.
+/// Plans a settlement. A pure function of its arguments; `gates`, those of roads, lie on vertices of `outline`, each on its
+/// own, none on a border with a settlement that it touches: gates on borders come with the outline.
 ///
 /// Main streets grow from the centre along the style's field (Teng 2017, section 2), gates are tied to them, and what ends
 /// in nothing is connected or taken away: the only dead ends are gates. Places too small or too rugged for growth get a street
-/// that runs from gate to gate through the centre, or a ring around it.
+/// that runs from gate to gate through the centre, or a ring around it. Borders are streets between their gates.
 ///
 /// # Errors
 ///
@@ -35,12 +37,14 @@ pub fn plan(
     seed: Seed,
     settlement: &Arc<Settlement>,
     outline: &Arc<Outline>,
-    gates: Vec<Gate>,
+    mut gates: Vec<Gate>,
     style: &Style,
     terrain: &dyn Terrain,
     cancel: &Cancel,
 ) -> Result<Town, LayerError> {
     let key = [settlement.id.0];
+    gates.extend(outline.border_gates());
+    gates.sort_by_key(|g| g.vertex);
     let polygon = &outline.polygon;
     let bounds = Bounds::of(polygon.iter().copied());
     let origin = outline.origin;
@@ -73,8 +77,9 @@ pub fn plan(
     arterial::mark_arterials(&mut sketch);
     repair::drop_slivers(&mut sketch, cancel)?;
     cancel.check()?;
-    let borders = fringe::borders(&sketch);
-    let cells::Parts { junctions, mains, cells } = cells::parts(settlement.id, &sketch, &borders);
+    let laid = border::lay(&mut sketch, outline, origin);
+    let borders = fringe::borders(&sketch, &laid);
+    let cells::Parts { junctions, mains, cells } = cells::parts(settlement.id, &sketch, &borders, &laid);
     Ok(Town {
         settlement: Arc::clone(settlement),
         origin,

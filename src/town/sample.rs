@@ -75,7 +75,7 @@ pub(crate) fn case_of(number: u64, field: FieldKind, radius: f64, gates: usize) 
         style.main.degree = (3, 5);
     }
     style.check().unwrap();
-    Case { seed, settlement, outline: Arc::new(Outline { origin, polygon }), gates, style, terrain }
+    Case { seed, settlement, outline: Arc::new(Outline { origin, polygon, shared: Vec::new() }), gates, style, terrain }
 }
 
 fn polygon(s: &mut Stream, radius: f64, shore: f64) -> Vec<DVec2> {

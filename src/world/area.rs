@@ -4,7 +4,7 @@ use crate::chunk::{Layers, PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{Junction, Network};
 use crate::parcel::{Block, Footprint, Lot};
-use crate::region::Settlement;
+use crate::region::{Outline, Settlement};
 use crate::space::{Bounds, ChunkCoord, Origin};
 use std::sync::Arc;
 
@@ -36,6 +36,8 @@ pub struct Area {
     pub footprints: Vec<Owned<Footprint>>,
     /// Settlements whose outline overlaps the box, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
+    /// Their outlines, each local to its settlement.
+    pub outlines: Vec<Arc<Outline>>,
     /// Number of unmet ports in the main cells that overlap the box.
     pub unmet_ports: usize,
 }
@@ -52,13 +54,15 @@ impl Area {
             lots: Vec::new(),
             footprints: Vec::new(),
             settlements: Vec::new(),
+            outlines: Vec::new(),
             unmet_ports: 0,
         }
     }
 
     pub(super) fn gather(layers: &Layers, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
         let overlap = layers.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
-        let mut area = Self { settlements: overlap.settlements, ..Self::empty(bounds) };
+        let outlines = overlap.settlements.iter().map(|s| layers.settlements().outline(s)).collect::<Result<_, _>>()?;
+        let mut area = Self { settlements: overlap.settlements, outlines, ..Self::empty(bounds) };
         let origin = area.origin;
         for found in overlap.streets {
             let chunk = street_owner(found.origin, &found.it.street, size);

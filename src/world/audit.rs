@@ -2,8 +2,7 @@
 //! many seeds.
 
 use crate::network::{JunctionId, Street, StreetId, crossings};
-use crate::region::Settlement;
-use crate::space::{Bounds, Origin, distance_to_segment, point_at, polygon_distance, segments};
+use crate::space::{Bounds, Origin, distance_to_segment, point_at, point_in_polygon, polygon_distance, segments};
 use crate::world::Area;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -33,7 +32,7 @@ pub enum Fault {
     Crossing,
     /// A dead end stops short of a street that it does not join.
     NearMiss,
-    /// The streets of a settlement are in several pieces.
+    /// The streets of a settlement, or of settlements that touch, are in several pieces.
     Disconnected,
     /// A port that no street meets.
     UnmetPort,
@@ -147,22 +146,58 @@ impl Audit<'_> {
         }
     }
 
+    /// The streets of a settlement, and of all that it touches directly or by way of others, are one piece.
     fn components(&mut self) {
-        let whole = |s: &&std::sync::Arc<Settlement>| {
-            self.area.bounds.encloses(Bounds::square(s.centre.plan(), 2.0 * s.radius))
-        };
-        for settlement in self.area.settlements.iter().filter(whole).cloned().collect::<Vec<_>>() {
-            let mut parent: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
-            let reach = Bounds::square(self.area.origin.to_local(settlement.centre.plan()), 2.0 * settlement.radius);
+        let area = self.area;
+        let whole: Vec<usize> = (0..area.settlements.len().min(area.outlines.len()))
+            .filter(|i| {
+                let s = &area.settlements[*i];
+                area.bounds.encloses(Bounds::square(s.centre.plan(), 2.0 * s.radius))
+            })
+            .collect();
+        let mut parent: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
+        // Junctions of each settlement; a border's are those of both.
+        let mut pieces: Vec<(usize, JunctionId)> = Vec::new();
+        for &i in &whole {
+            let (settlement, outline) = (&area.settlements[i], &area.outlines[i]);
+            let shift = area.origin.offset_to(outline.origin);
+            let reach = Bounds::square(area.origin.to_local(settlement.centre.plan()), 2.0 * settlement.radius);
+            let inside = |p: DVec2| {
+                let p = p + shift;
+                let on_border = || polygon_distance(p, p, &outline.polygon) < 0.01;
+                point_in_polygon(p, &outline.polygon) || on_border()
+            };
             for s in self.streets.iter().filter(|s| !s.class.is_road() && reach.encloses(s.bounds())) {
-                let (a, b) = (root(&mut parent, s.from), root(&mut parent, s.to));
-                parent.insert(a, b);
+                if s.line.iter().all(|p| inside(*p)) {
+                    let (a, b) = (root(&mut parent, s.from), root(&mut parent, s.to));
+                    parent.insert(a, b);
+                    pieces.push((i, s.from));
+                }
             }
-            let all: Vec<JunctionId> = parent.keys().copied().collect();
-            let roots = all.iter().filter(|j| root(&mut parent, **j) == **j).count();
-            if roots > 1 {
-                self.report(Fault::Disconnected, self.area.origin.to_local(settlement.centre.plan()));
+        }
+        let mut groups: Vec<usize> = (0..area.settlements.len()).collect();
+        for &i in &whole {
+            for shared in &area.outlines[i].shared {
+                let touched =
+                    whole.iter().find(|j| **j != i && shared.border.sides.contains(&area.settlements[**j].id));
+                if let Some(&j) = touched {
+                    let (from, to) = (groups[i], groups[j]);
+                    groups.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+                }
             }
+        }
+        let mut roots: BTreeMap<usize, JunctionId> = BTreeMap::new();
+        let mut loose = Vec::new();
+        for (i, junction) in pieces {
+            let found = root(&mut parent, junction);
+            if *roots.entry(groups[i]).or_insert(found) != found {
+                loose.push(i);
+            }
+        }
+        loose.sort_unstable();
+        loose.dedup();
+        for i in loose {
+            self.report(Fault::Disconnected, area.origin.to_local(area.settlements[i].centre.plan()));
         }
     }
 
@@ -173,7 +208,7 @@ impl Audit<'_> {
             let on_street = self.near(bounds.grown(10.0)).into_iter().any(|piece| {
                 let (a, b) = self.segment(piece);
                 let width = self.streets[piece.0].class.half_width();
-                polygon_distance(a, b, polygon) < width - 0.01 || crate::space::point_in_polygon(a, polygon)
+                polygon_distance(a, b, polygon) < width - 0.01 || point_in_polygon(a, polygon)
             });
             if on_street {
                 self.report(Fault::BuildingOnStreet, bounds.centre());

@@ -1,10 +1,11 @@
-//! `sprawl soak`: checks a city of each of many worlds against what the design promises.
+//! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, against what the design
+//! promises.
 
 use crate::args::{Common, SoakArgs};
 use crate::fail::Fail;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
-use bevy_sprawl::region::SizeClass;
+use bevy_sprawl::region::{Settlement, SizeClass};
 use bevy_sprawl::space::{Bounds, Seed};
 use bevy_sprawl::world::{World, audit, unreached_gates};
 use glam::DVec2;
@@ -63,10 +64,16 @@ fn check(world: &World) -> Result<City, LayerError> {
     let distance = |p: DVec2| p.length();
     let nearest = cities.iter().min_by(|a, b| distance(a.centre.plan()).total_cmp(&distance(b.centre.plan())));
     let Some(city) = nearest else { return Ok(City::default()) };
-    let area = world.area(Bounds::square(city.centre.plan(), 2.0 * (city.radius + MARGIN)), &cancel)?;
+    let around = |s: &Settlement| Bounds::square(s.centre.plan(), 2.0 * (s.radius + MARGIN));
+    let mut checked = vec![city.clone()];
+    checked.extend(world.settlements().touching(city)?);
+    let bounds = checked.iter().fold(Bounds::EMPTY, |all, s| all.union(around(s)));
+    let area = world.area(bounds, &cancel)?;
     let mut findings: Vec<_> = audit(&area).into_iter().map(|f| (format!("{:?}", f.what), f.at)).collect();
-    let outline = world.settlements().outline(city)?;
-    let gates = unreached_gates(&area, outline.origin, &outline.polygon);
-    findings.extend(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))));
+    for settlement in &checked {
+        let outline = world.settlements().outline(settlement)?;
+        let gates = unreached_gates(&area, outline.origin, &outline.polygon);
+        findings.extend(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))));
+    }
     Ok(City { streets: area.streets.len(), buildings: area.footprints.len(), findings })
 }

@@ -293,6 +293,7 @@ mod tests {
             lots: Vec::new(),
             footprints: Vec::new(),
             settlements: Vec::new(),
+            outlines: Vec::new(),
             unmet_ports: 0,
         }
     }

@@ -163,10 +163,13 @@ pub(super) fn courses_of(
     Ok(out)
 }
 
-/// The course between two settlements whose pair is kept.
+/// The course between two settlements whose pair is kept; settlements that touch need none.
 fn course(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Arc<Course>>, LayerError> {
     let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
-    let found = work.courses.get(&(a.id, b.id), || Ok(Found(find(work, a, b, cancel)?.map(Arc::new))))?;
+    let found = work.courses.get(&(a.id, b.id), || {
+        let course = if work.places.touch(a, b)? { None } else { find(work, a, b, cancel)? };
+        Ok(Found(course.map(Arc::new)))
+    })?;
     Ok(found.0.clone())
 }
 

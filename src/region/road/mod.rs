@@ -27,7 +27,8 @@
 //!
 //! Roads meet only at junctions: courses meet only at nodes and crossings of the lattice, which are vertices of the graph,
 //! and smoothing moves a line only where nothing is near. Roads touch an outline only in their gate, since the lattice is
-//! closed around it. Every course ends in gates, so no road ends in a field.
+//! closed around it. Every course ends in gates, so no road ends in a field. Settlements that touch have no course: their
+//! border is the way between them, and no tie or course comes near it.
 
 mod course;
 mod graph;
@@ -77,7 +78,7 @@ pub struct Gate {
     pub class: StreetClass,
 }
 
-/// A connection of two settlements that the proximity rule keeps.
+/// A connection of two settlements that the proximity rule keeps, and that a road serves; not of two that touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Stable name.

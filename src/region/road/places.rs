@@ -16,6 +16,11 @@ pub(super) trait Places: Send + Sync {
     /// Outline of a settlement.
     fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError>;
 
+    /// Whether two settlements touch: then the border is the way between them, and no road is.
+    fn touch(&self, _: &Settlement, _: &Settlement) -> Result<bool, LayerError> {
+        Ok(false)
+    }
+
     /// Settlements of at least the size `tier` whose centre lies in `bounds`, sorted by id.
     fn of_tier(&self, bounds: Bounds, tier: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
         let mut out = Vec::new();
@@ -40,5 +45,9 @@ impl Places for Settlements {
 
     fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError> {
         Settlements::outline(self, settlement)
+    }
+
+    fn touch(&self, a: &Settlement, b: &Settlement) -> Result<bool, LayerError> {
+        Ok(self.border(a, b)?.is_some())
     }
 }

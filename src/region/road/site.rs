@@ -11,7 +11,7 @@ use crate::layer::{LayerError, Reach, Weigh};
 use crate::region::{Outline, Settlement};
 use crate::space::{
     Bounds, Origin, distance_to_segment, left_normal, point_in_polygon, polygon_distance, segment_crossing,
-    segment_distance, signed_area,
+    segment_distance, segments, signed_area,
 };
 use glam::{DVec2, I64Vec2};
 use std::f64::consts::FRAC_PI_4;
@@ -22,6 +22,8 @@ const MOST_TIES: usize = 28;
 const GATE_SPACING: f64 = 170.0;
 /// Distance that ties keep from each other and from outlines, in metres.
 const TIE_CLEARANCE: f64 = 18.0;
+/// Distance that ties keep from borders with settlements that touch, in metres.
+const BORDER_CLEARANCE: f64 = 70.0;
 /// How far beyond an outline ties and closed edges reach, in steps of the lattice.
 pub(super) const SITE_STEPS: f64 = 6.0;
 
@@ -82,6 +84,10 @@ pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, Laye
         }
         for (score, node) in nodes_outside(&outline, vertex, step) {
             let score = score + off_middle * 0.5;
+            let end = outline.origin.to_local(node_at(node, step));
+            if !clears_borders(&outline, *gate, end) {
+                continue;
+            }
             if best[sector].as_ref().is_none_or(|b| score < b.0) && is_dry(work, &outline, *gate, node) {
                 let way = gate.length() + gate.distance(outline.origin.to_local(node_at(node, step)));
                 best[sector] = Some((score, Tie { vertex, gate: *gate, node, way }));
@@ -100,6 +106,15 @@ pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, Laye
         }
     }
     Ok(Candidates(out))
+}
+
+/// Whether a tie from `gate` to `end` keeps off the outline's borders, where the neighbour begins at once.
+fn clears_borders(outline: &Outline, gate: DVec2, end: DVec2) -> bool {
+    outline.shared.iter().all(|shared| {
+        let count = shared.border.line.len();
+        let chain = &outline.polygon[shared.first..shared.first + count];
+        segments(chain).all(|(a, b)| segment_distance(gate, end, a, b) > BORDER_CLEARANCE)
+    })
 }
 
 /// Nodes outside of an outline that a straight tie from one of its vertices could lead to, with what speaks against each.

@@ -41,8 +41,8 @@ pub(super) const RADII: (f64, f64) = (120.0, 5_000.0);
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct SettlementSettings {
-    /// Edge of a lattice cell, each of which holds at most one settlement: from 2.5 times the greatest radius plus 200 m,
-    /// to 1,000,000.
+    /// Edge of a lattice cell, each of which holds at most one settlement: from 1.2 times the greatest radius to 1,000,000.
+    /// Below twice the radius settlements of one tier may touch, as far as `clearance` and `gap` let them.
     pub spacing: PerSize<f64>,
     /// Least and greatest radius: 120 to 5,000.
     pub radius: PerSize<(f64, f64)>,
@@ -56,7 +56,11 @@ pub struct SettlementSettings {
     pub max_slope: f64,
     /// Greatest height of a centre above the sea: 0 to 10,000.
     pub max_height: f64,
-    /// Least distance of two centres in sums of their radii: 0.8 (they may touch, along a line between them) to 4.
+    /// Share of its radius that an outline reaches on average where nothing hinders it: 0.7 (ragged, with room between
+    /// neighbours) to 0.98 (round, touching what it can).
+    pub fullness: f64,
+    /// Least distance of two centres in sums of their radii: 0.5 to 4. Below 1 settlements may touch: what they share of
+    /// the line between them becomes a main street of both, and they grow into one city.
     pub clearance: f64,
     /// What is added to that: 0 to 10,000.
     pub gap: f64,
@@ -77,6 +81,7 @@ impl Default for SettlementSettings {
             jitter: 0.7,
             max_slope: 0.08,
             max_height: 450.0,
+            fullness: 0.83,
             clearance: 1.25,
             gap: 200.0,
         }
@@ -93,7 +98,7 @@ impl SettlementSettings {
             let radius = *self.radius.of(size);
             range(&within("radius"), radius.0, RADII.0, RADII.1)?;
             range(&within("radius"), radius.1, radius.0, RADII.1)?;
-            range(&within("spacing"), *self.spacing.of(size), radius.1 * 2.5 + 200.0, 1_000_000.0)?;
+            range(&within("spacing"), *self.spacing.of(size), radius.1 * 1.2, 1_000_000.0)?;
             range(&within("share"), *self.share.of(size), 0.0, 1.0)?;
             let styles = self.styles.of(size);
             for (_, weight) in styles {
@@ -110,7 +115,8 @@ impl SettlementSettings {
         range("jitter", self.jitter, 0.0, 0.9)?;
         range("max_slope", self.max_slope, 0.01, 0.5)?;
         range("max_height", self.max_height, 0.0, 10_000.0)?;
-        range("clearance", self.clearance, 0.8, 4.0)?;
+        range("fullness", self.fullness, 0.7, 0.98)?;
+        range("clearance", self.clearance, 0.5, 4.0)?;
         range("gap", self.gap, 0.0, 10_000.0)
     }
 

@@ -128,6 +128,9 @@ fn check_all(seed: u64, settings: &SettlementSettings, origin: DVec2, size: f64)
             if offset.length() > a.radius + b.radius + 100.0 {
                 continue;
             }
+            if s.border(a, b).unwrap().is_some() {
+                continue;
+            }
             let other = s.outline(b).unwrap();
             let moved: Vec<DVec2> = outline.polygon.iter().map(|p| *p + offset).collect();
             for i in 0..moved.len() {
@@ -191,5 +194,5 @@ fn settings_out_of_range_are_refused() {
     let text = "(spacing: (city: 10, town: 6000, village: 2500))";
     let read: SettlementSettings = crate::layer::from_ron("s.ron", text).unwrap();
     let error = read.check().unwrap_err().in_file("s.ron", text).to_string();
-    assert!(error.starts_with("s.ron:1:12: spacing.city is 10; allowed is 4450 to"), "{error}");
+    assert!(error.starts_with("s.ron:1:12: spacing.city is 10; allowed is 2040 to"), "{error}");
 }

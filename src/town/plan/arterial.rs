@@ -1,4 +1,4 @@
-//! Which main streets are arterials: the ways from the gates through the centre.
+//! Which main streets are arterials: the ways from the gates through the centre. Of the gates on a border one counts.
 
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, StreetClass, VertexIx};
@@ -22,6 +22,7 @@ pub(super) fn mark_arterials(sketch: &mut Sketch) {
         return;
     };
     let mut order: Vec<usize> = (0..sketch.gates.len()).collect();
+    order.retain(|i| sketch.gates[*i].class < StreetClass::Main);
     order.sort_by_key(|i| (sketch.gates[*i].class, sketch.gates[*i].vertex));
     for gate in order {
         if let Some(v) = sketch.gate_vertices[gate] {

@@ -1,5 +1,6 @@
 //! Main streets and main cells, read off the finished graph.
 
+use super::border::Laid;
 use super::fringe::Borders;
 use super::pole::pole;
 use super::sketch::Sketch;
@@ -22,12 +23,14 @@ fn words(p: DVec2) -> [u64; 2] {
 }
 
 /// Reads junctions, streets and cells off the graph.
-pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders) -> Parts {
+pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders, laid: &Laid) -> Parts {
     let (streets, graph) = (&sketch.graph, &borders.graph);
-    // A cut that meets a street divides it, so that a street has one cell on each side.
+    // A cut that meets a street divides it, so that a street has one cell on each side. At a gate on a border there is
+    // always a street of the neighbour, whatever there is on this side.
     let is_junction = |v: VertexIx| {
         let degree = streets.degree(v);
-        degree > 0 && (degree != 2 || graph.degree(v) != degree)
+        let passed = laid.passes(v) && !sketch.is_gate(v);
+        degree > 0 && !passed && (sketch.is_gate(v) || degree != 2 || graph.degree(v) != degree)
     };
     let id = |v: VertexIx| match sketch.gate_vertices.iter().position(|g| *g == Some(v)) {
         Some(gate) => sketch.gates[gate].junction,
@@ -42,8 +45,15 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
     let slots = streets.edges().map(|(e, _)| e as usize + 1).max().unwrap_or(0);
     let mut along = vec![(usize::MAX, true); slots];
     let mut mains = Vec::new();
-    for chain in streets.chains(is_junction) {
-        let vertices = streets.chain_vertices(&chain);
+    for mut chain in streets.chains(is_junction) {
+        let mut vertices = streets.chain_vertices(&chain);
+        let shared = laid.street(chain[0].0);
+        if shared.is_some_and(|s| s.street.from != id(vertices[0])) {
+            // Along a border the line runs the same way on both sides.
+            vertices.reverse();
+            chain.reverse();
+            chain.iter_mut().for_each(|(_, forward)| *forward = !*forward);
+        }
         let line: Vec<DVec2> = vertices.iter().map(|v| streets.at(*v)).collect();
         for (e, forward) in &chain {
             along[*e as usize] = (mains.len(), *forward);
@@ -51,8 +61,12 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
         let (from, to) = (id(vertices[0]), id(vertices[vertices.len() - 1]));
         let [x, y] = words(point_at(&line, line_length(&line) / 2.0).0);
         let name = StreetId::of(&[settlement.0, 0x6d, from.0.min(to.0), from.0.max(to.0), x, y]);
-        let street = Street::new(name, streets.edge(chain[0].0).data, from, to, line);
-        mains.push(MainStreet { street, left: usize::MAX, right: usize::MAX });
+        let street = match shared {
+            Some(shared) => shared.street.clone(),
+            None => Street::new(name, streets.edge(chain[0].0).data, from, to, line),
+        };
+        let border = shared.map(|s| s.border.clone());
+        mains.push(MainStreet { street, left: MainStreet::OUTSIDE, right: MainStreet::OUTSIDE, border });
     }
     let mut cells = Vec::new();
     for face in graph.faces().into_iter().filter(|f| f.area() > 0.0) {

@@ -1,5 +1,6 @@
 //! The graph of main streets and outline, and the cuts that divide the fringe between them.
 
+use super::border::Laid;
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
 use crate::space::{Bounds, closest_on_segment};
@@ -37,8 +38,9 @@ struct Cut {
     to: VertexIx,
 }
 
-/// Joins the network and the outline, and cuts the fringe into cells.
-pub(super) fn borders(sketch: &Sketch) -> Borders {
+/// Joins the network and the outline, and cuts the fringe into cells. Cuts leave the streets along borders alone, which
+/// belong to the neighbours, too.
+pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
     let mut graph = BorderGraph::new();
     for v in sketch.graph.vertices() {
         graph.add_vertex(sketch.graph.at(v));
@@ -52,13 +54,17 @@ pub(super) fn borders(sketch: &Sketch) -> Borders {
     let ring: Vec<VertexIx> = (0..sketch.outline.len())
         .map(|i| {
             let gate = sketch.gates.iter().position(|g| g.vertex == i);
-            gate.and_then(|g| sketch.gate_vertices[g]).unwrap_or_else(|| graph.add_vertex(sketch.outline[i]))
+            let there = laid.vertex(i).or_else(|| gate.and_then(|g| sketch.gate_vertices[g]));
+            there.unwrap_or_else(|| graph.add_vertex(sketch.outline[i]))
         })
         .collect();
     for i in 0..ring.len() {
-        graph.add_edge(ring[i], ring[(i + 1) % ring.len()], None);
+        let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
+        if graph.edge_between(a, b).is_none() {
+            graph.add_edge(a, b, None);
+        }
     }
-    let fringe = Fringe { sketch, streets, ring };
+    let fringe = Fringe { sketch, laid, streets, ring };
     fringe.join(&mut graph);
     fringe.divide(&mut graph);
     Borders { graph, edges }
@@ -66,6 +72,7 @@ pub(super) fn borders(sketch: &Sketch) -> Borders {
 
 struct Fringe<'a> {
     sketch: &'a Sketch<'a>,
+    laid: &'a Laid,
     /// Vertices below this index are the network's.
     streets: VertexIx,
     /// Vertices of the outline.
@@ -153,7 +160,7 @@ impl Fringe<'_> {
         let mut cuts = Vec::new();
         for i in 0..n {
             let from = face.vertices[i];
-            if from >= self.streets || self.sketch.is_gate(from) {
+            if from >= self.streets || self.sketch.is_gate(from) || self.laid.passes(from) {
                 continue;
             }
             for j in (0..n).filter(|j| face.vertices[*j] >= self.streets && separates(i, *j)) {

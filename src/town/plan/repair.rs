@@ -220,7 +220,7 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
     Ok(())
 }
 
-/// The longest street of a face that is no arterial.
+/// The longest street of a face that is no arterial and leads to no gate.
 fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     let g = &sketch.graph;
     let ends = |v| g.degree(v) != 2;
@@ -228,7 +228,8 @@ fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     let mut best: Option<(f64, Vec<EdgeIx>)> = None;
     for chain in g.chains(ends) {
         let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
-        if !around.contains(&edges[0]) || edges.iter().any(|e| g.edge(*e).data == StreetClass::Arterial) {
+        let to_gate = || g.chain_vertices(&chain).into_iter().any(|v| sketch.is_gate(v));
+        if !around.contains(&edges[0]) || edges.iter().any(|e| g.edge(*e).data == StreetClass::Arterial) || to_gate() {
             continue;
         }
         let length: f64 = edges.iter().map(|e| g.segment(*e)).map(|(a, b)| a.distance(b)).sum();

@@ -16,6 +16,8 @@ const GROUND_STEP: f64 = 25.0;
 const PIECE: f64 = 24.0;
 /// Least distance between two points of a street, in metres.
 const SHORTEST: f64 = 8.0;
+/// Angle between a border and a street that meets it, in radians, where nothing asks for more.
+const BORDER_ANGLE: f64 = 0.75;
 /// Distance that streets keep from gates of others, in metres.
 const GATE_ROOM: f64 = 45.0;
 
@@ -204,9 +206,11 @@ impl<'a> Sketch<'a> {
             End::Gate(i) => {
                 let (n, v) = (self.outline.len(), self.gates[i].vertex);
                 let at = self.outline[v];
+                // Along a border the outline is a street.
+                let least = if self.gates[i].class.is_main() { limits.angle.min(BORDER_ANGLE) } else { 0.2 };
                 [self.outline[(v + 1) % n], self.outline[(v + n - 1) % n]]
                     .iter()
-                    .all(|p| angle_between(*p - at, leaving) > 0.2)
+                    .all(|p| angle_between(*p - at, leaving) > least)
             }
             End::Vertex(v) => {
                 g.degree(v) < self.rules.degree.1

@@ -118,7 +118,7 @@ impl Places for Towns {
                 quantize(math::direction(a) * r * s.radius)
             })
             .collect();
-        Ok(Arc::new(Outline { origin: s.centre, polygon }))
+        Ok(Arc::new(Outline { origin: s.centre, polygon, shared: Vec::new() }))
     }
 }
 
