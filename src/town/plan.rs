@@ -18,10 +18,14 @@ use crate::region::{Gate, Outline, Settlement};
 use crate::space::{Bounds, Seed, signed_area};
 use crate::terrain::Terrain;
 use crate::town::{DirectionField, Style, Town};
+use glam::DVec2;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use sketch::{Rules, Sketch};
+
+/// Streets that keep farther from the centre than this share of the radius leave the place empty.
+const HOLLOW: f64 = 0.5;
 
 /// Plans a settlement. A pure function of its arguments; `gates`, those of roads, lie on vertices of `outline`, each on its
 /// own, none on a border with a settlement that it touches: gates on borders come with the outline.
@@ -62,6 +66,10 @@ pub fn plan(
         repair::divide_wide(&mut sketch, &field, cancel)?;
         repair::drop_pockets(&mut sketch, cancel)?;
         repair::round_corners(&mut sketch);
+        // Gates beside each other may be all that holds streets: such a place has no middle yet.
+        if sketch.graph.nearest_edge(DVec2::ZERO, HOLLOW * radius, |_| false).is_none() {
+            sketch.clear();
+        }
     }
     if sketch.graph.edges().next().is_none() {
         sketch.clear();
