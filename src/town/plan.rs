@@ -25,7 +25,7 @@ use std::sync::Arc;
 use sketch::{Rules, Sketch};
 
 /// Streets that keep farther from the centre than this share of the radius leave the place empty.
-const HOLLOW: f64 = 0.5;
+const HOLLOW: f64 = 0.35;
 
 /// Plans a settlement. A pure function of its arguments; `gates`, those of roads, lie on vertices of `outline`, each on its
 /// own, none on a border with a settlement that it touches: gates on borders come with the outline.
