@@ -32,6 +32,16 @@ pub(super) struct End {
     pub gate: DVec2,
 }
 
+/// A bridge or a tunnel along a course: a straight line over or under what lies between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    /// Index of the node where it begins.
+    pub first: usize,
+    /// Index of the node where it ends.
+    pub last: usize,
+    pub tunnel: bool,
+}
+
 /// The course of a kept pair.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
@@ -41,6 +51,8 @@ pub(super) struct Course {
     pub ends: [End; 2],
     /// Nodes of the fine lattice, each joined to the next by an edge of the stencil.
     pub nodes: Vec<I64Vec2>,
+    /// Bridges and tunnels, in order.
+    pub spans: Vec<Span>,
     /// Cost of the pair in metres of flat open ground.
     pub cost: f64,
     /// Box in plan metres, gates included.
@@ -67,6 +79,12 @@ impl Weigh for Listed {
 }
 
 impl Course {
+    /// Level of the edge after a node: 1 on a bridge, -1 in a tunnel.
+    pub fn level(&self, edge: usize) -> i8 {
+        let span = self.spans.iter().find(|s| (s.first..s.last).contains(&edge));
+        span.map_or(0, |s| if s.tunnel { -1 } else { 1 })
+    }
+
     /// Whether any segment's box overlaps `bounds` (plan metres).
     fn passes(&self, bounds: Bounds, step: i64) -> bool {
         self.bounds.overlaps(bounds) && segments(&self.line(step)).any(|(a, b)| Bounds::of([a, b]).overlaps(bounds))
@@ -255,6 +273,7 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
         ends: [end(a, tie_a), end(b, tie_b)],
         bounds: Bounds::of(found.nodes.iter().map(|n| node_at(*n, step)).chain(gates)),
         nodes: found.nodes,
+        spans: Vec::new(),
         cost: wide.cost,
     }))
 }
