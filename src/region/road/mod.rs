@@ -30,11 +30,14 @@
 //! closed around it. Every course ends in gates, so no road ends in a field.
 
 mod course;
+mod field;
+mod geodesic;
 mod graph;
 mod lattice;
 mod pairs;
 mod piece;
 mod places;
+mod profile;
 mod search;
 mod settings;
 mod shape;
@@ -60,6 +63,9 @@ pub struct Road {
     pub origin: Origin,
     /// The piece, in the classes highway, major and minor.
     pub street: Street,
+    /// Height of the road in metres at each point of `street.line`: the ground, evened out so that no stretch is steeper
+    /// than its class allows. Straight from end to end on bridges and in tunnels; that of the ground at junctions.
+    pub heights: Vec<f64>,
 }
 
 /// Where roads enter a settlement.
@@ -110,6 +116,7 @@ struct Work {
     places: Arc<dyn Places>,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
+    distances: LayerCache<(u8, SettlementId, SettlementId), pairs::Distance>,
     candidates: LayerCache<SettlementId, site::Candidates>,
     sites: LayerCache<SettlementId, site::Site>,
     courses: LayerCache<(SettlementId, SettlementId), course::Found>,
@@ -131,13 +138,14 @@ fn class_of(tier: SizeClass) -> StreetClass {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 32 * parts;
+        let share = |parts: usize| bytes / 33 * parts;
         Self {
             settings: settings.clone(),
             terrain,
             places,
             samples: LayerCache::new(share(8)),
             pairs: LayerCache::new(share(3)),
+            distances: LayerCache::new(share(1)),
             candidates: LayerCache::new(share(1)),
             sites: LayerCache::new(share(4)),
             courses: LayerCache::new(share(3)),
@@ -147,6 +155,13 @@ impl Work {
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
         }
+    }
+
+    /// Open ground in a strip, as a class of roads sees it.
+    fn field<'a>(&'a self, t: &'a TierSettings, strip: field::Strip) -> field::Field<'a> {
+        let step = self.settings.step;
+        let samples = |w: &search::Window| lattice::Samples::new(&self.samples, &*self.terrain, step, w);
+        field::Field::new(strip, t, step, &*self.terrain, samples)
     }
 
     fn candidates(&self, s: &Settlement) -> Result<Arc<site::Candidates>, LayerError> {
@@ -247,24 +262,40 @@ impl Roads {
                     continue;
                 }
                 for course in course::courses_of(&self.work, tier, &s, cancel)? {
-                    if out.iter().any(|l| l.id == course.id) {
-                        continue;
+                    if !out.iter().any(|l| l.id == course.id) {
+                        out.push(Arc::new(self.link(tier, &course, cancel)?));
                     }
-                    let line = course.line(self.work.settings.step);
-                    out.push(Arc::new(Link {
-                        id: course.id,
-                        from: course.ends[0].settlement,
-                        to: course.ends[1].settlement,
-                        class: course.class,
-                        length_m: crate::space::line_length(&line),
-                        cost: course.cost,
-                        bridges: piece::bridges(&self.work, &line),
-                        tunnels: 0,
-                    }));
                 }
             }
         }
         out.sort_by_key(|l| l.id);
         Ok(out)
+    }
+
+    fn settlement(&self, end: &course::End) -> Result<Option<Arc<Settlement>>, LayerError> {
+        let all = self.work.places.of_tier(Bounds::square(end.centre.plan(), 2.0), SizeClass::Village)?;
+        Ok(all.into_iter().find(|s| s.id == end.settlement))
+    }
+
+    fn link(&self, tier: SizeClass, course: &course::Course, cancel: &Cancel) -> Result<Link, LayerError> {
+        let work = &self.work;
+        let [a, b] = [self.settlement(&course.ends[0])?, self.settlement(&course.ends[1])?];
+        let cost = match (&a, &b) {
+            (Some(a), Some(b)) => pairs::distance(work, tier, a, b, cancel)?,
+            _ => f64::INFINITY,
+        };
+        let line = course.line(work.settings.step);
+        let tunnels = course.spans.iter().filter(|s| s.tunnel).count();
+        let small = piece::bridges(work, course);
+        Ok(Link {
+            id: course.id,
+            from: course.ends[0].settlement,
+            to: course.ends[1].settlement,
+            class: course.class,
+            length_m: crate::space::line_length(&line),
+            cost,
+            bridges: course.spans.len() - tunnels + small,
+            tunnels,
+        })
     }
 }

@@ -76,8 +76,13 @@ impl Around<'_> {
             // The tie stays as it was found free.
             return Some(still);
         }
-        if angle_between(-pa, pb) > 1.4 {
+        if a.level != 0 || b.level != 0 || angle_between(-pa, pb) > 1.4 {
             return Some(Bend { stray: 0.0, ..still });
+        }
+        // Straight onto a bridge or into a tunnel.
+        let spans = |k: Key| self.ways(k).is_some_and(|v| v.ways.iter().any(|w| w.level != 0));
+        if spans(a.to) || spans(b.to) {
+            return Some(still);
         }
         // Rows of Pascal's triangle, as many as the line is long on both sides.
         let second = (self.beyond(key, a.to), self.beyond(key, b.to));
@@ -135,6 +140,7 @@ struct Line {
     at: [DVec2; 2],
     bounds: Bounds,
     stray: f64,
+    level: i8,
 }
 
 /// Vertices that must stay where they are, sorted.
@@ -155,14 +161,14 @@ fn conflicts(
             let stray = stray_of(key).max(stray_of(&way.to));
             let bounds = Bounds::of(at).grown((stray + APART) / 2.0);
             if bounds.overlaps(near) {
-                lines.push(Line { ends: [*key, way.to], at, bounds, stray });
+                lines.push(Line { ends: [*key, way.to], at, bounds, stray, level: way.level });
             }
         }
     }
     let mut still = Vec::new();
     for (i, e) in lines.iter().enumerate() {
         for f in &lines[i + 1..] {
-            if !e.bounds.overlaps(f.bounds) {
+            if e.level != f.level || !e.bounds.overlaps(f.bounds) {
                 continue;
             }
             let shared = e.ends.iter().position(|k| f.ends.contains(k));
@@ -208,11 +214,20 @@ fn conflicts(
 }
 
 /// Points of a line's corner between the middles of its two sides, before the next corner.
-pub(super) fn corner(before: &Place, at: &Shape, after: &Place) -> Vec<Place> {
-    let (a, b) = (before.from(&at.place) / 2.0, after.from(&at.place) / 2.0);
+pub(super) fn corner(before: &Shape, at: &Shape, after: &Shape) -> Vec<Place> {
+    let (a, b) = (before.place.from(&at.place) / 2.0, after.place.from(&at.place) / 2.0);
     if !at.round || (a + b).length() < 1.0 {
         return vec![at.place];
     }
+    // A parabola that begins and ends as far from the corner bends least sharply.
+    let reach = a.length().min(b.length());
+    let begins = (a.length() - reach > 4.0) || !before.round;
+    let ends = (b.length() - reach > 4.0) || !after.round;
+    let (a, b) = (a.normalize_or_zero() * reach, b.normalize_or_zero() * reach);
     // Symmetric in the two sides, so that both directions give the same points.
-    [0.125, 0.375, 0.625, 0.875].map(|t: f64| at.place.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).to_vec()
+    let mut points = Vec::new();
+    points.extend(begins.then_some(0.0));
+    points.extend([0.125, 0.375, 0.625, 0.875]);
+    points.extend(ends.then_some(1.0));
+    points.into_iter().map(|t: f64| at.place.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).collect()
 }
