@@ -237,7 +237,7 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     let stops = |site: &Site, s: &Settlement| -> Vec<Stop> {
         let stop = |t: &Tie| {
             let out = s.centre.to_local(node_at(t.node, step));
-            Stop { node: t.node, cost: t.way, beyond: (t.gate - out).normalize_or_zero() }
+            Stop { node: t.node, cost: t.way, beyond: t.gate - out }
         };
         site.ties.iter().map(stop).collect()
     };

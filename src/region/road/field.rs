@@ -195,6 +195,14 @@ impl<'a> Field<'a> {
         self.spans.push(Existing { first: *last, heading: (h + 8) % 16, edges, tunnel });
     }
 
+    /// Whether a node is inside and not under water.
+    pub fn is_dry(&mut self, node: I64Vec2) -> Result<bool, LayerError> {
+        match self.strip.slot(node) {
+            Some(slot) => Ok(self.ground(slot)?.depth <= 0.0),
+            None => Ok(false),
+        }
+    }
+
     fn ground(&mut self, slot: usize) -> Result<Ground, LayerError> {
         self.samples.at(self.strip.nodes[slot])
     }

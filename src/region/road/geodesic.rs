@@ -6,7 +6,7 @@
 
 use super::course::Span;
 use super::field::{Field, Hop};
-use super::lattice::{DIRECTIONS, STENCIL, bends};
+use super::lattice::{DIRECTIONS, STENCIL, bends, corner_radius};
 use crate::layer::{Cancel, LayerError};
 use crate::space::math::angle_between;
 use glam::{DVec2, I64Vec2};
@@ -16,6 +16,8 @@ use std::f64::consts::TAU;
 
 /// States of a node: one per heading, and one at a start.
 const STATES: usize = DIRECTIONS + 1;
+/// Cost in metres of a bend at a gate that is sharper than the class allows elsewhere.
+const SHARP: f64 = 400.0;
 /// Bounds are found as far as this share beyond the cheapest way without bends, and these metres.
 const BEYOND: (f32, f32) = (1.15, 500.0);
 
@@ -25,7 +27,7 @@ pub(super) struct Stop {
     pub node: I64Vec2,
     /// Cost of what lies beyond it.
     pub cost: f64,
-    /// Direction of the road that goes on from there, zero if there is none.
+    /// The road that goes on from there, in metres, zero if there is none.
     pub beyond: DVec2,
 }
 
@@ -59,13 +61,16 @@ struct Move {
 }
 
 /// Cost of the bend between a heading and the road beyond a stop.
-fn bend_beyond(turn: f64, stop: &Stop, heading: usize, arriving: bool) -> f32 {
+fn bend_beyond(field: &Field, stop: &Stop, heading: usize, arriving: bool) -> f32 {
     if stop.beyond == DVec2::ZERO {
         return 0.0;
     }
-    let way = STENCIL[heading].as_dvec2();
-    let headings = angle_between(if arriving { way } else { -way }, stop.beyond) / (TAU / DIRECTIONS as f64);
-    (turn * headings * headings) as f32
+    let t = field.class();
+    let way = if arriving { STENCIL[heading].as_dvec2() } else { -STENCIL[heading].as_dvec2() };
+    let headings = angle_between(way, stop.beyond) / (TAU / DIRECTIONS as f64);
+    // A settlement has few gates: a sharp corner at one is dear, but better than no road.
+    let sharp = corner_radius(way * field.step() as f64, stop.beyond) < t.radius;
+    (t.turn * headings * headings + if sharp { SHARP } else { 0.0 }) as f32
 }
 
 /// The cheapest way from one of `from` to one of `to`.
@@ -195,7 +200,7 @@ fn forward(
         let node = field.strip.nodes[slot];
         if ends[slot] {
             for (i, stop) in to.iter().enumerate().filter(|(_, s)| s.node == node) {
-                let bend = if heading < DIRECTIONS { bend_beyond(t.turn, stop, heading, true) } else { 0.0 };
+                let bend = if heading < DIRECTIONS { bend_beyond(field, stop, heading, true) } else { 0.0 };
                 let whole = here + stop.cost as f32 + bend;
                 if best.is_none_or(|b| whole < b.0) {
                     best = Some((whole, state, i));
@@ -207,7 +212,7 @@ fn forward(
             ahead.extend(&turns[heading]);
         } else {
             let start = from.iter().filter(|s| s.node == node).min_by(|a, b| a.cost.total_cmp(&b.cost));
-            ahead.extend((0..DIRECTIONS).map(|h| (h, start.map_or(0.0, |s| bend_beyond(t.turn, s, h, false)))));
+            ahead.extend((0..DIRECTIONS).map(|h| (h, start.map_or(0.0, |s| bend_beyond(field, s, h, false)))));
         }
         for (along, bend) in &ahead {
             let cost = here + bend;
@@ -270,7 +275,7 @@ fn forward(
 #[cfg(test)]
 mod tests {
     use super::super::field::Strip;
-    use super::super::lattice::{Samples, corner_radius, node_at};
+    use super::super::lattice::{Samples, node_at};
     use super::super::{RoadSettings, TierSettings};
     use super::*;
     use crate::layer::LayerCache;

@@ -162,15 +162,37 @@ pub(super) fn over_ground(
 ) -> Result<f64, LayerError> {
     let step = work.settings.step;
     let mut field = open_ground(work, tier, ends, strip)?;
-    let [from, to] = ends.map(|s| Stop { node: node_near(s.centre.plan(), step), cost: 0.0, beyond: DVec2::ZERO });
-    let line = stencil_distance(to.node - from.node) * step as f64;
+    let [from, to] = ends.map(|s| node_near(s.centre.plan(), step));
+    let line = stencil_distance(to - from) * step as f64;
     let length = beeline(ends[0], ends[1]);
-    if from.node == to.node {
+    if from == to {
         return Ok(length);
     }
-    let found = geodesic(&mut field, &[from], &[to], cancel)?;
+    let stops = [stops(&mut field, ends[0], step)?, stops(&mut field, ends[1], step)?];
+    let found = geodesic(&mut field, &stops[0], &stops[1], cancel)?;
     // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
     Ok(found.map_or(f64::INFINITY, |f| f.cost * length / line))
+}
+
+/// Where a way from a settlement begins: at its centre, or all around it if that is under water.
+fn stops(field: &mut Field, s: &Settlement, step: i64) -> Result<Vec<Stop>, LayerError> {
+    let centre = node_near(s.centre.plan(), step);
+    let stop = |node: I64Vec2, cost: f64| Stop { node, cost, beyond: DVec2::ZERO };
+    if field.is_dry(centre)? {
+        return Ok(vec![stop(centre, 0.0)]);
+    }
+    let mut out = Vec::new();
+    let r = (s.radius / step as f64).ceil() as i64;
+    for y in -r..=r {
+        for x in -r..=r {
+            let by = I64Vec2::new(x, y);
+            let cost = node_at(by, step).length();
+            if cost <= s.radius + step as f64 && field.is_dry(centre + by)? {
+                out.push(stop(centre + by, cost));
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// The ground between two settlements without roads and gates, but with the settlements that a road would keep off.

@@ -54,6 +54,11 @@ fn distances_are_within_a_percent_of_a_search_of_everything() {
         let t = work.settings.tier(tier);
         for (i, a) in all.iter().enumerate() {
             for b in all[i + 1..].iter().filter(|b| tier_of(a, b) == tier && beeline(a, b) <= t.reach).step_by(3) {
+                let wet =
+                    |s: &Settlement| work.terrain.sample(node_at(node_near(s.centre.plan(), step), step)).depth() > 0.0;
+                if wet(a) || wet(b) {
+                    continue;
+                }
                 let found = distance(work, tier, a, b, &Cancel::new()).unwrap();
                 let corner = bounds.grown(4_000.0);
                 let strip = Strip::around(&[corner.min, corner.max], corner.size().length(), step);

@@ -2,6 +2,7 @@
 
 mod costs;
 mod ground;
+mod measure;
 
 use super::lattice::node_at;
 use super::*;
@@ -259,7 +260,7 @@ fn bends_are_wide_and_grades_low_between_junctions() {
         }
         assert!(points > 5_000, "{points}");
         assert_eq!(steep, 0);
-        // Where roads pass close to another or begin at a gate, corners stay as they are.
+        // Where roads pass close to another or begin at a gate, some corners are sharper.
         assert!(sharp * 200 < points, "{sharp} of {points}");
     }
 }
