@@ -29,7 +29,12 @@ const ROUGH_SPACING: i64 = 450;
 /// Nodes near a line.
 pub(super) struct Strip {
     window: Window,
+    /// By index in the window.
     slots: Vec<u32>,
+    /// Index in the window, by slot.
+    places: Vec<usize>,
+    /// What a step along each heading adds to an index.
+    shifts: [isize; DIRECTIONS],
     /// Its nodes, by slot.
     pub nodes: Vec<I64Vec2>,
     /// Their distance from the line in metres.
@@ -62,7 +67,8 @@ impl Strip {
             slots[*i] = slot as u32;
         }
         let nodes = inside.iter().map(|i| window.node(*i)).collect();
-        Self { window, slots, nodes, off: inside.iter().map(|i| off[*i]).collect() }
+        let shifts = STENCIL.map(|s| (s.y * window.size.x + s.x) as isize);
+        Self { off: inside.iter().map(|i| off[*i]).collect(), window, slots, places: inside, shifts, nodes }
     }
 
     /// Slot of a node, if it is inside.
@@ -72,7 +78,9 @@ impl Strip {
     }
 
     fn next(&self, slot: usize, heading: usize) -> Option<usize> {
-        self.slot(self.nodes[slot] + STENCIL[heading])
+        // The window is wider than a step on all sides.
+        let next = self.slots[self.places[slot].wrapping_add_signed(self.shifts[heading])];
+        (next != NONE).then_some(next as usize)
     }
 }
 
@@ -105,6 +113,7 @@ pub(super) struct Field<'a> {
     step: i64,
     terrain: &'a dyn Terrain,
     samples: Samples<'a>,
+    grounds: Vec<Option<Ground>>,
     lengths: [f64; DIRECTIONS],
     /// Extra cost per metre of new road, by slot.
     extra: Vec<f32>,
@@ -138,6 +147,7 @@ impl<'a> Field<'a> {
             terrain,
             samples: samples(&strip.window),
             lengths: STENCIL.map(|s| s.as_dvec2().length() * step as f64),
+            grounds: vec![None; count],
             extra: vec![0.0; count],
             closed: vec![0; count],
             existing: vec![0; count],
@@ -204,7 +214,12 @@ impl<'a> Field<'a> {
     }
 
     fn ground(&mut self, slot: usize) -> Result<Ground, LayerError> {
-        self.samples.at(self.strip.nodes[slot])
+        if let Some(held) = self.grounds[slot] {
+            return Ok(held);
+        }
+        let ground = self.samples.at(self.strip.nodes[slot])?;
+        self.grounds[slot] = Some(ground);
+        Ok(ground)
     }
 
     /// Both ends of an edge, the same from either, and its index.
@@ -254,7 +269,11 @@ impl<'a> Field<'a> {
                     if middle.depth > 0.0 { self.bridge(self.lengths[h] / 2.0, middle.depth.into()) } else { 0.0 };
                 let off = (middle.surface - (ga.surface + gb.surface) / 2.0).abs();
                 let fits = if middle.depth > 0.0 {
-                    f64::from(middle.depth) <= self.t.depth_limit
+                    // Wider than a step, it takes a bridge.
+                    let wide = self.lengths[h] > 1.5 * self.step as f64
+                        && self.between(a, h, 0.25).depth > 0.0
+                        && self.between(a, h, 0.75).depth > 0.0;
+                    !wide && f64::from(middle.depth) <= self.t.depth_limit
                 } else {
                     f64::from(off) <= self.t.earthwork
                 };
@@ -372,7 +391,7 @@ impl<'a> Field<'a> {
             return Ok(Some((false, plain + self.bridge(length, depth))));
         }
         let dug = tunnel && above >= CLEARANCE;
-        Ok(dug.then(|| (true, plain + self.t.tunnel + length * self.t.tunnel_metre)))
+        Ok(dug.then_some((true, plain + self.t.tunnel + length * self.t.tunnel_metre)))
     }
 }
 
@@ -382,7 +401,7 @@ pub(super) fn roughness(node: I64Vec2, step: i64) -> f64 {
     let cell = (node * step).div_euclid(spacing);
     let part = (node * step - cell * spacing).as_dvec2() / ROUGH_SPACING as f64;
     let at = |x: i64, y: i64| {
-        let word = stable_hash(&[0x726f_7567_68, (cell.x + x) as u64, (cell.y + y) as u64]);
+        let word = stable_hash(&[0x0072_6f75_6768, (cell.x + x) as u64, (cell.y + y) as u64]);
         (word >> 40) as f64 / (1u64 << 24) as f64
     };
     let mix = crate::space::math::mix;

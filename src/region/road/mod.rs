@@ -5,16 +5,19 @@
 //!
 //! Each step is a pure function of what it is about, remembered in a bounded cache, and reads only what lies near:
 //!
-//! 1. `pairs`: the cheapest way of a pair of settlements on a wide lattice, within the ellipse that the greatest detour
-//!    allows; from these costs the proximity rule. A pair is decided by settlements within reach of both its ends.
+//! 1. `pairs`: the cheapest way of a pair of settlements on a wide lattice (`search`), within the ellipse that the greatest
+//!    detour allows; from these costs the proximity rule, and where they leave doubt from those on the fine lattice in a
+//!    corridor around that way. A pair is decided by settlements within reach of both its ends.
 //! 2. `site`: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
 //!    around its outline.
-//! 3. `course`: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
-//!    read those of higher classes in their window, never of their own, so no order among equals matters.
+//! 3. `course`: the course of a kept pair on the fine lattice, within the same corridor: a `geodesic` by position and
+//!    heading over a `field` of costs, with bridges and tunnels as edges. Courses of lower classes read those of higher
+//!    classes in their window, never of their own, so no order among equals matters.
 //! 4. `graph`: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
 //! 5. `shape`: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 16 steps
 //!    around.
-//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
+//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
+//!    tunnels, with heights (`profile`).
 //!
 //! # Padding
 //!
@@ -25,9 +28,10 @@
 //!
 //! # What holds
 //!
-//! Roads meet only at junctions: courses meet only at nodes and crossings of the lattice, which are vertices of the graph,
-//! and smoothing moves a line only where nothing is near. Roads touch an outline only in their gate, since the lattice is
-//! closed around it. Every course ends in gates, so no road ends in a field.
+//! Roads of one level meet only at junctions; bridges and tunnels that a search chose are levels of their own. Courses
+//! meet only at nodes and crossings of the lattice, which are vertices of the graph, and smoothing moves a line only where
+//! nothing is near. Roads touch an outline only in their gate, since the lattice is closed around it. Every course ends in
+//! gates, so no road ends in a field.
 
 mod course;
 mod field;

@@ -2,7 +2,6 @@
 
 mod costs;
 mod ground;
-mod measure;
 
 use super::lattice::node_at;
 use super::*;
