@@ -1,11 +1,12 @@
 //! Courses of the roads that are kept, on the fine lattice: from gate to gate, along roads of higher classes where that
 //! is cheaper.
 
-use super::lattice::{STENCIL, Samples, cost_per_metre, heading, kernel, node_at};
-use super::pairs::{Pair, beeline, hopeless, kept, pair, tier_of};
-use super::search::{Task, Window, search};
-use super::site::{SITE_STEPS, gate_in_plan};
-use super::{TierSettings, Work, class_of};
+use super::field::{Strip, roughness};
+use super::geodesic::{Stop, geodesic};
+use super::lattice::{kernel, node_at};
+use super::pairs::{beeline, hopeless, kept, pair, spine, tier_of};
+use super::site::{SITE_STEPS, Site, Tie, gate_in_plan};
+use super::{Work, class_of};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{StreetClass, StreetId};
 use crate::region::{Settlement, SettlementId, SizeClass};
@@ -32,6 +33,16 @@ pub(super) struct End {
     pub gate: DVec2,
 }
 
+/// A bridge or a tunnel along a course: a straight line over or under what lies between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    /// Index of the node where it begins.
+    pub first: usize,
+    /// Index of the node where it ends.
+    pub last: usize,
+    pub tunnel: bool,
+}
+
 /// The course of a kept pair.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
@@ -41,8 +52,8 @@ pub(super) struct Course {
     pub ends: [End; 2],
     /// Nodes of the fine lattice, each joined to the next by an edge of the stencil.
     pub nodes: Vec<I64Vec2>,
-    /// Cost of the pair in metres of flat open ground.
-    pub cost: f64,
+    /// Bridges and tunnels, in order.
+    pub spans: Vec<Span>,
     /// Box in plan metres, gates included.
     pub bounds: Bounds,
 }
@@ -55,18 +66,28 @@ pub(super) struct Listed(pub Vec<Arc<Course>>);
 
 impl Weigh for Found {
     fn bytes(&self) -> usize {
-        self.0.as_ref().map_or(0, |c| size_of::<Course>() + c.nodes.len() * size_of::<I64Vec2>()) + 16
+        self.0.as_ref().map_or(0, |c| c.bytes()) + 16
     }
 }
 
 impl Weigh for Listed {
     fn bytes(&self) -> usize {
         // The courses themselves live as long as a tile names them.
-        self.0.iter().map(|c| 8 + size_of::<Course>() + c.nodes.len() * size_of::<I64Vec2>()).sum::<usize>() + 24
+        self.0.iter().map(|c| 8 + c.bytes()).sum::<usize>() + 24
     }
 }
 
 impl Course {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.nodes.len() * size_of::<I64Vec2>() + self.spans.len() * size_of::<Span>()
+    }
+
+    /// Level of the edge after a node: 1 on a bridge, -1 in a tunnel.
+    pub fn level(&self, edge: usize) -> i8 {
+        let span = self.spans.iter().find(|s| (s.first..s.last).contains(&edge));
+        span.map_or(0, |s| if s.tunnel { -1 } else { 1 })
+    }
+
     /// Whether any segment's box overlaps `bounds` (plan metres).
     fn passes(&self, bounds: Bounds, step: i64) -> bool {
         self.bounds.overlaps(bounds) && segments(&self.line(step)).any(|(a, b)| Bounds::of([a, b]).overlaps(bounds))
@@ -180,10 +201,7 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     let step = work.settings.step;
     let wide = pair(work, tier, a, b, cancel)?;
     let spine = spine(work, t, a, b, &wide);
-    let bounds = Bounds::of(spine.iter().copied()).grown(t.corridor);
-    let window = Window::around(bounds, step);
 
-    let off = corridor(&spine, &window, step, t.corridor);
     let (mut sites, mut roads) = (Vec::new(), Vec::new());
     for stretch in stretches(&spine) {
         let room = stretch.grown(t.corridor);
@@ -198,59 +216,39 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     sites.dedup_by_key(|s| s.id);
     roads.sort_by_key(|c| c.id);
     roads.dedup_by_key(|c| c.id);
-    let mut closed = vec![0u16; window.len()];
+    let mut field = work.field(t, Strip::around(&spine, t.corridor, step));
     for s in sites {
         let site = work.site(&s)?;
         for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
-            let node = site.window.node(i);
-            if window.contains(node) {
-                closed[window.index(node)] |= bits;
-            }
+            field.close(site.window.node(i), *bits);
         }
     }
-    let mut existing = vec![0u16; window.len()];
-    let mut beside = vec![0f32; window.len()];
+    let mut beside = vec![0f64; field.strip.nodes.len()];
     for road in &roads {
-        lay(&road.nodes, &window, step, &mut existing, &mut beside);
+        for (i, pair) in road.nodes.windows(2).enumerate() {
+            field.lay(pair[0], pair[1], road.level(i));
+        }
+        for span in &road.spans {
+            field.lay_span(&road.nodes[span.first..=span.last], span.tunnel);
+        }
+        keep_off(&road.nodes, &field.strip, step, &mut beside);
     }
+    let off: Vec<f64> = field.strip.off.iter().map(|off| OFF_SPINE * f64::from(*off) / 1000.0).collect();
+    field.add(|slot, node| t.building + t.beside * beside[slot] + off[slot] + t.rough * roughness(node, step));
 
     let (site_a, site_b) = (work.site(a)?, work.site(b)?);
-    let from: Vec<_> = site_a.ties.iter().map(|t| (t.node, t.way)).collect();
-    let to: Vec<_> = site_b.ties.iter().map(|t| (t.node, t.way)).collect();
-    let mut samples = Samples::new(&work.samples, &*work.terrain, step, &window);
-    let task = Task {
-        window,
-        step,
-        from: &from,
-        to: &to,
-        goal: b.centre.plan(),
-        limit: f64::INFINITY,
-        bridge_limit: t.bridge_limit,
-        turn: t.turn,
+    let stops = |site: &Site, s: &Settlement| -> Vec<Stop> {
+        let stop = |t: &Tie| {
+            let out = s.centre.to_local(node_at(t.node, step));
+            Stop { node: t.node, cost: t.way, beyond: t.gate - out }
+        };
+        site.ties.iter().map(stop).collect()
     };
-    let found = search(&task, cancel, |node, index, heading, length| {
-        let next = node + STENCIL[heading];
-        let next_index = window.index(next);
-        if off[next_index] > t.corridor as f32 || closed[index] >> heading & 1 == 1 {
-            return Ok(None);
-        }
-        if existing[index] >> heading & 1 == 1 {
-            return Ok(Some((length, 0.0)));
-        }
-        let ground = cost_per_metre(samples.at(node)?, samples.at(next)?, length, t);
-        let control = t.building
-            + t.beside * f64::from(beside[index] + beside[next_index]) / 2.0
-            + OFF_SPINE * f64::from(off[next_index]) / 1000.0;
-        Ok(ground.map(|(cost, wet)| (length * (cost + control), wet)))
-    })?;
+    let found = geodesic(&mut field, &stops(&site_a, a), &stops(&site_b, b), cancel)?;
     let Some(found) = found else { return Ok(None) };
     let (tie_a, tie_b) = (&site_a.ties[found.from], &site_b.ties[found.to]);
-    let end = |s: &Settlement, tie: &super::site::Tie| End {
-        settlement: s.id,
-        centre: s.centre,
-        vertex: tie.vertex,
-        gate: tie.gate,
-    };
+    let end =
+        |s: &Settlement, tie: &Tie| End { settlement: s.id, centre: s.centre, vertex: tie.vertex, gate: tie.gate };
     let gates = [gate_in_plan(a, tie_a), gate_in_plan(b, tie_b)];
     Ok(Some(Course {
         id: StreetId::of(&[0x636f_7572_7365, a.id.0, b.id.0]),
@@ -258,26 +256,8 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
         ends: [end(a, tie_a), end(b, tie_b)],
         bounds: Bounds::of(found.nodes.iter().map(|n| node_at(*n, step)).chain(gates)),
         nodes: found.nodes,
-        cost: wide.cost,
+        spans: found.spans,
     }))
-}
-
-/// The way found on the wide lattice, its bends evened out.
-fn spine(work: &Work, t: &TierSettings, a: &Settlement, b: &Settlement, wide: &Pair) -> Vec<DVec2> {
-    let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
-    let step = work.settings.step * t.wide_step;
-    let mut out = vec![a.centre.plan()];
-    // The first and the last node are the centres themselves, rounded.
-    let inner = wide.nodes.len().saturating_sub(1).max(1);
-    out.extend(wide.nodes[1.min(wide.nodes.len())..inner.min(wide.nodes.len())].iter().map(|n| node_at(*n, step)));
-    out.push(b.centre.plan());
-    for _ in 0..6 {
-        let before = out.clone();
-        for (p, w) in out[1..].iter_mut().zip(before.windows(3)) {
-            *p = (w[0] + w[1] * 2.0 + w[2]) / 4.0;
-        }
-    }
-    out
 }
 
 /// Boxes around the stretches of a line.
@@ -295,42 +275,15 @@ fn stretches(line: &[DVec2]) -> Vec<Bounds> {
     out
 }
 
-/// Distance of each node from the spine, infinite beyond `width`.
-fn corridor(spine: &[DVec2], window: &Window, step: i64, width: f64) -> Vec<f32> {
-    let mut off = vec![f32::INFINITY; window.len()];
-    for (a, b) in segments(spine) {
-        let part = Window::around(Bounds::of([a, b]).grown(width), step);
-        for i in 0..part.len() {
-            let node = part.node(i);
-            if window.contains(node) {
-                let distance = crate::space::distance_to_segment(node_at(node, step), a, b);
-                if distance <= width {
-                    let held = &mut off[window.index(node)];
-                    *held = held.min(distance as f32);
-                }
-            }
-        }
-    }
-    off
-}
-
-/// Marks the edges of an existing road, and how close the nodes around it are.
-fn lay(nodes: &[I64Vec2], window: &Window, step: i64, existing: &mut [u16], beside: &mut [f32]) {
-    for pair in nodes.windows(2) {
-        let Some(h) = heading(pair[0], pair[1]) else { continue };
-        for (node, h) in [(pair[0], h), (pair[1], (h + 8) % 16)] {
-            if window.contains(node) {
-                existing[window.index(node)] |= 1 << h;
-            }
-        }
-        let r = (BESIDE / step as f64).ceil() as i64;
+/// How close the nodes around an existing road are, from 1 at the road to 0.
+fn keep_off(nodes: &[I64Vec2], strip: &Strip, step: i64, beside: &mut [f64]) {
+    let r = (BESIDE / step as f64).ceil() as i64;
+    for at in nodes {
         for y in -r..=r {
             for x in -r..=r {
-                let node = pair[1] + I64Vec2::new(x, y);
-                let k = kernel(node_at(I64Vec2::new(x, y), step).length(), BESIDE) as f32;
-                if window.contains(node) && k > 0.0 {
-                    let held = &mut beside[window.index(node)];
-                    *held = held.max(k);
+                let by = I64Vec2::new(x, y);
+                if let Some(slot) = strip.slot(*at + by) {
+                    beside[slot] = beside[slot].max(kernel(node_at(by, step).length(), BESIDE));
                 }
             }
         }

@@ -2,6 +2,9 @@
 //!
 //! Courses run on edges of one lattice, so shared stretches are shared edges, and crossings are rational points with
 //! small denominators: the graph is exact, with whole numbers for coordinates.
+//!
+//! Bridges and tunnels are levels of their own: edges of different levels cross without meeting, and a bridge's inner
+//! vertices are others than those on the ground below. Levels meet where a bridge or tunnel begins or ends.
 
 use super::Work;
 use super::course::courses;
@@ -27,6 +30,8 @@ const PADDING_STEPS: i64 = 5;
 pub(super) enum Key {
     /// A node of the lattice or a crossing, in parts of a step.
     At { x: i64, y: i64 },
+    /// The same on a bridge (level 1) or in a tunnel (level -1), but for its ends.
+    Span { x: i64, y: i64, level: i8 },
     /// A gate: the lattice cell it lies in, its settlement and its vertex in the outline.
     Gate { x: i64, y: i64, settlement: u64, vertex: u32 },
 }
@@ -62,10 +67,15 @@ impl Key {
         Self::At { x: n.x * PARTS, y: n.y * PARTS }
     }
 
+    /// The point `p`, in parts of a step, on a level.
+    fn on(p: I64Vec2, level: i8) -> Self {
+        if level == 0 { Self::At { x: p.x, y: p.y } } else { Self::Span { x: p.x, y: p.y, level } }
+    }
+
     /// Lattice cell that the vertex lies in.
     pub fn cell(self) -> I64Vec2 {
         match self {
-            Self::At { x, y } => I64Vec2::new(x, y).div_euclid(I64Vec2::splat(PARTS)),
+            Self::At { x, y } | Self::Span { x, y, .. } => I64Vec2::new(x, y).div_euclid(I64Vec2::splat(PARTS)),
             Self::Gate { x, y, .. } => I64Vec2::new(x, y),
         }
     }
@@ -84,6 +94,7 @@ impl Key {
     pub fn words(self) -> [u64; 4] {
         match self {
             Self::At { x, y } => [1, x as u64, y as u64, 0],
+            Self::Span { x, y, level } => [4, x as u64, y as u64, level as u64],
             Self::Gate { settlement, vertex, .. } => [2, settlement, u64::from(vertex), 0],
         }
     }
@@ -96,7 +107,7 @@ impl Key {
     fn place(self, step: i64) -> Place {
         let cell = self.cell();
         let parts = match self {
-            Self::At { x, y } => I64Vec2::new(x, y) - cell * PARTS,
+            Self::At { x, y } | Self::Span { x, y, .. } => I64Vec2::new(x, y) - cell * PARTS,
             Self::Gate { .. } => I64Vec2::ZERO,
         };
         let offset = quantize((parts * step).as_dvec2() / PARTS as f64);
@@ -110,6 +121,8 @@ pub(super) struct Way {
     pub to: Key,
     pub place: Place,
     pub class: StreetClass,
+    /// 1 on a bridge, -1 in a tunnel that the search for a course chose, 0 elsewhere.
+    pub level: i8,
 }
 
 /// A vertex of the graph.
@@ -137,6 +150,7 @@ struct Edge {
     a: I64Vec2,
     b: I64Vec2,
     class: StreetClass,
+    level: i8,
 }
 
 /// Box of a tile in plan metres.
@@ -153,11 +167,16 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
     let own = tile_bounds(tile, step);
     let padding = (PADDING_STEPS * step) as f64;
     let read = Reach::new("roads", own, padding).check(own.grown(padding))?;
-    let mut edges: BTreeMap<([i64; 2], usize), StreetClass> = BTreeMap::new();
+    let mut edges: BTreeMap<(i8, [i64; 2], usize), StreetClass> = BTreeMap::new();
+    // Nodes where a bridge or tunnel begins or ends: others along the same line touch ground there too.
+    let mut landings: Vec<[i64; 2]> = Vec::new();
     let mut out = Graph::default();
     for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
         for course in courses(work, tier, read, cancel)? {
-            for pair in course.nodes.windows(2) {
+            for span in &course.spans {
+                landings.extend([span.first, span.last].map(|i| (course.nodes[i] - corner).to_array()));
+            }
+            for (i, pair) in course.nodes.windows(2).enumerate() {
                 let (a, b) = (pair[0] - corner, pair[1] - corner);
                 let out_of = |v: I64Vec2| {
                     v.cmplt(I64Vec2::splat(-PADDING_STEPS)) | v.cmpgt(I64Vec2::splat(TILE_STEPS + PADDING_STEPS))
@@ -168,7 +187,7 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                 }
                 let (from, h) = if h < 8 { (a, h) } else { (b, h - 8) };
                 // Wider classes come first, and stay.
-                edges.entry((from.to_array(), h)).or_insert(course.class);
+                edges.entry((course.level(i), from.to_array(), h)).or_insert(course.class);
             }
             for (end, node) in [(&course.ends[0], course.nodes.first()), (&course.ends[1], course.nodes.last())] {
                 let Some(node) = node else { continue };
@@ -180,26 +199,32 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                 let place = Place { origin, offset: end.centre.offset_to(origin) + end.gate };
                 let node = Key::node(*node);
                 let node_place = node.place(step);
-                join(&mut out, tile, (gate, place), (node, node_place), course.class);
+                join(&mut out, tile, (gate, place), (node, node_place), course.class, 0);
             }
         }
     }
+    landings.sort_unstable();
     let edges: Vec<Edge> = edges
         .into_iter()
-        .map(|((a, h), class)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], class })
+        .map(|((level, a, h), class)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], class, level })
         .collect();
     for (e, points) in edges.iter().zip(crossings(&edges)) {
-        let keys: Vec<Key> =
-            points.into_iter().map(|p| p + corner * PARTS).map(|p| Key::At { x: p.x, y: p.y }).collect();
+        let key = |p: I64Vec2| {
+            let node = p.div_euclid(I64Vec2::splat(PARTS));
+            let lands = node * PARTS == p && landings.binary_search(&node.to_array()).is_ok();
+            Key::on(p + corner * PARTS, if lands { 0 } else { e.level })
+        };
+        let keys: Vec<Key> = points.into_iter().map(key).collect();
         for pair in keys.windows(2) {
-            join(&mut out, tile, (pair[0], pair[0].place(step)), (pair[1], pair[1].place(step)), e.class);
+            let ends = [(pair[0], pair[0].place(step)), (pair[1], pair[1].place(step))];
+            join(&mut out, tile, ends[0], ends[1], e.class, e.level);
         }
     }
     Ok(out)
 }
 
 /// Adds a way in both directions, as far as its ends lie in the tile.
-fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), class: StreetClass) {
+fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), class: StreetClass, level: i8) {
     for ((key, place), (to, there)) in [(a, b), (b, a)] {
         if key.tile() != tile {
             continue;
@@ -207,7 +232,7 @@ fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), class:
         let vertex = out.vertices.entry(key).or_insert_with(|| Vertex { place, ways: Vec::new() });
         match vertex.ways.binary_search_by_key(&to, |w| w.to) {
             Ok(i) => vertex.ways[i].class = vertex.ways[i].class.min(class),
-            Err(i) => vertex.ways.insert(i, Way { to, place: there, class }),
+            Err(i) => vertex.ways.insert(i, Way { to, place: there, class, level }),
         }
     }
 }
@@ -231,8 +256,11 @@ fn crossings(edges: &[Edge]) -> Vec<Vec<I64Vec2>> {
     out
 }
 
-/// The point inside of both edges, in parts of a step.
+/// The point inside of both edges, in parts of a step, if they are of one level.
 fn crossing(e: &Edge, f: &Edge) -> Option<I64Vec2> {
+    if e.level != f.level {
+        return None;
+    }
     let (min1, max1, min2, max2) = (e.a.min(e.b), e.a.max(e.b), f.a.min(f.b), f.a.max(f.b));
     if min1.cmpgt(max2).any() || min2.cmpgt(max1).any() {
         return None;
@@ -258,13 +286,14 @@ mod tests {
                 for x in -2..=2 {
                     for y in -2..=2 {
                         let class = StreetClass::Minor;
-                        let e = Edge { a: I64Vec2::ZERO, b: r, class };
+                        let e = Edge { a: I64Vec2::ZERO, b: r, class, level: 0 };
                         let a = I64Vec2::new(x, y);
-                        let f = Edge { a, b: a + s, class };
+                        let f = Edge { a, b: a + s, class, level: 0 };
                         if let Some(p) = crossing(&e, &f) {
                             count += 1;
                             assert_eq!((p.perp_dot(r), (p - a * PARTS).perp_dot(s)), (0, 0));
                             assert_eq!(crossing(&f, &e), Some(p));
+                            assert_eq!(crossing(&f, &Edge { level: 1, ..e }), None);
                         }
                     }
                 }

@@ -5,16 +5,19 @@
 //!
 //! Each step is a pure function of what it is about, remembered in a bounded cache, and reads only what lies near:
 //!
-//! 1. `pairs`: the cheapest way of a pair of settlements on a wide lattice, within the ellipse that the greatest detour
-//!    allows; from these costs the proximity rule. A pair is decided by settlements within reach of both its ends.
+//! 1. `pairs`: the cheapest way of a pair of settlements on a wide lattice (`search`), within the ellipse that the greatest
+//!    detour allows; from these costs the proximity rule, and where they leave doubt from those on the fine lattice in a
+//!    corridor around that way. A pair is decided by settlements within reach of both its ends.
 //! 2. `site`: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
 //!    around its outline.
-//! 3. `course`: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
-//!    read those of higher classes in their window, never of their own, so no order among equals matters.
+//! 3. `course`: the course of a kept pair on the fine lattice, within the same corridor: a `geodesic` by position and
+//!    heading over a `field` of costs, with bridges and tunnels as edges. Courses of lower classes read those of higher
+//!    classes in their window, never of their own, so no order among equals matters.
 //! 4. `graph`: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
 //! 5. `shape`: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 16 steps
 //!    around.
-//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
+//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
+//!    tunnels, with heights (`profile`).
 //!
 //! # Padding
 //!
@@ -25,17 +28,21 @@
 //!
 //! # What holds
 //!
-//! Roads meet only at junctions: courses meet only at nodes and crossings of the lattice, which are vertices of the graph,
-//! and smoothing moves a line only where nothing is near. Roads touch an outline only in their gate, since the lattice is
-//! closed around it. Every course ends in gates, so no road ends in a field. Settlements that touch have no course: their
-//! border is the way between them, and no tie or course comes near it.
+//! Roads of one level meet only at junctions; bridges and tunnels that a search chose are levels of their own. Courses
+//! meet only at nodes and crossings of the lattice, which are vertices of the graph, and smoothing moves a line only where
+//! nothing is near. Roads touch an outline only in their gate, since the lattice is closed around it. Every course ends in
+//! gates, so no road ends in a field. Settlements that touch have no course: their border is the way
+//! between them, and no tie or course comes near it.
 
 mod course;
+mod field;
+mod geodesic;
 mod graph;
 mod lattice;
 mod pairs;
 mod piece;
 mod places;
+mod profile;
 mod search;
 mod settings;
 mod shape;
@@ -61,6 +68,9 @@ pub struct Road {
     pub origin: Origin,
     /// The piece, in the classes highway, major and minor.
     pub street: Street,
+    /// Height of the road in metres at each point of `street.line`: the ground, evened out so that no stretch is steeper
+    /// than its class allows. Straight from end to end on bridges and in tunnels; that of the ground at junctions.
+    pub heights: Vec<f64>,
 }
 
 /// Where roads enter a settlement.
@@ -111,6 +121,7 @@ struct Work {
     places: Arc<dyn Places>,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
+    distances: LayerCache<(u8, SettlementId, SettlementId), pairs::Distance>,
     candidates: LayerCache<SettlementId, site::Candidates>,
     sites: LayerCache<SettlementId, site::Site>,
     courses: LayerCache<(SettlementId, SettlementId), course::Found>,
@@ -132,13 +143,14 @@ fn class_of(tier: SizeClass) -> StreetClass {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 32 * parts;
+        let share = |parts: usize| bytes / 33 * parts;
         Self {
             settings: settings.clone(),
             terrain,
             places,
             samples: LayerCache::new(share(8)),
             pairs: LayerCache::new(share(3)),
+            distances: LayerCache::new(share(1)),
             candidates: LayerCache::new(share(1)),
             sites: LayerCache::new(share(4)),
             courses: LayerCache::new(share(3)),
@@ -148,6 +160,13 @@ impl Work {
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
         }
+    }
+
+    /// Open ground in a strip, as a class of roads sees it.
+    fn field<'a>(&'a self, t: &'a TierSettings, strip: field::Strip) -> field::Field<'a> {
+        let step = self.settings.step;
+        let samples = |w: &search::Window| lattice::Samples::new(&self.samples, &*self.terrain, step, w);
+        field::Field::new(strip, t, step, &*self.terrain, samples)
     }
 
     fn candidates(&self, s: &Settlement) -> Result<Arc<site::Candidates>, LayerError> {
@@ -248,24 +267,40 @@ impl Roads {
                     continue;
                 }
                 for course in course::courses_of(&self.work, tier, &s, cancel)? {
-                    if out.iter().any(|l| l.id == course.id) {
-                        continue;
+                    if !out.iter().any(|l| l.id == course.id) {
+                        out.push(Arc::new(self.link(tier, &course, cancel)?));
                     }
-                    let line = course.line(self.work.settings.step);
-                    out.push(Arc::new(Link {
-                        id: course.id,
-                        from: course.ends[0].settlement,
-                        to: course.ends[1].settlement,
-                        class: course.class,
-                        length_m: crate::space::line_length(&line),
-                        cost: course.cost,
-                        bridges: piece::bridges(&self.work, &line),
-                        tunnels: 0,
-                    }));
                 }
             }
         }
         out.sort_by_key(|l| l.id);
         Ok(out)
+    }
+
+    fn settlement(&self, end: &course::End) -> Result<Option<Arc<Settlement>>, LayerError> {
+        let all = self.work.places.of_tier(Bounds::square(end.centre.plan(), 2.0), SizeClass::Village)?;
+        Ok(all.into_iter().find(|s| s.id == end.settlement))
+    }
+
+    fn link(&self, tier: SizeClass, course: &course::Course, cancel: &Cancel) -> Result<Link, LayerError> {
+        let work = &self.work;
+        let [a, b] = [self.settlement(&course.ends[0])?, self.settlement(&course.ends[1])?];
+        let cost = match (&a, &b) {
+            (Some(a), Some(b)) => pairs::distance(work, tier, a, b, cancel)?,
+            _ => f64::INFINITY,
+        };
+        let line = course.line(work.settings.step);
+        let tunnels = course.spans.iter().filter(|s| s.tunnel).count();
+        let small = piece::bridges(work, course);
+        Ok(Link {
+            id: course.id,
+            from: course.ends[0].settlement,
+            to: course.ends[1].settlement,
+            class: course.class,
+            length_m: crate::space::line_length(&line),
+            cost,
+            bridges: course.spans.len() - tunnels + small,
+            tunnels,
+        })
     }
 }

@@ -1,6 +1,10 @@
 //! Distances between settlements over the ground, and the proximity rule that keeps some of their pairs.
+//!
+//! Coarse to fine: a way on the wide lattice first, then the geodesic on the fine one in a corridor around it.
 
-use super::lattice::{Samples, cost_per_metre, kernel, node_at, node_near, stencil_distance};
+use super::field::{Field, Strip};
+use super::geodesic::{Stop, geodesic};
+use super::lattice::{Samples, cost_over_water, kernel, node_at, node_near, stencil_distance};
 use super::search::{Task, Window, search};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
@@ -14,6 +18,8 @@ use std::sync::Arc;
 const HOPELESS: f64 = 0.87;
 /// Extra cost per metre, a kilometre off the beeline: of ways that cost the same, the straightest is taken.
 const OFF_BEELINE: f64 = 0.01;
+/// Share by which ratios of distances on the wide lattice may be wrong; in nine of ten cases it is less than a third.
+const DOUBT: f64 = 0.06;
 /// Greatest distance at which a settlement repels roads that do not serve it, in metres.
 const MOST_REPEL: f64 = 4_000.0;
 
@@ -24,6 +30,15 @@ pub(super) struct Pair {
     pub cost: f64,
     /// Nodes of the wide lattice.
     pub nodes: Vec<I64Vec2>,
+}
+
+/// A distance over the ground, in metres of flat open ground.
+pub(super) struct Distance(pub f64);
+
+impl Weigh for Distance {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + 16
+    }
 }
 
 impl Weigh for Pair {
@@ -78,19 +93,10 @@ pub(super) fn pair(
         let window = Window::around(bounds, step);
         let repel = repulsion(work, t, tier, [a, b], &window, step)?;
         let mut samples = Samples::new(&work.samples, &*work.terrain, step, &window);
-        let task = Task {
-            window,
-            step,
-            from: &[(from, 0.0)],
-            to: &[(to, 0.0)],
-            goal: node_at(to, step),
-            limit,
-            bridge_limit: t.bridge_limit + step as f64,
-            turn: 0.0,
-        };
+        let task = Task { window, step, from, to, limit, bridge_limit: t.bridge_limit + step as f64 };
         let found = search(&task, cancel, |node, index, heading, metres| {
             let next = node + super::lattice::STENCIL[heading];
-            let Some((cost, wet)) = cost_per_metre(samples.at(node)?, samples.at(next)?, metres, t) else {
+            let Some((cost, wet)) = cost_over_water(samples.at(node)?, samples.at(next)?, metres, t) else {
                 return Ok(None);
             };
             let control = f64::from(repel[index] + repel[window.index(next)]) / 2.0;
@@ -103,6 +109,117 @@ pub(super) fn pair(
             nodes: f.nodes,
         }))
     })
+}
+
+/// The way found on the wide lattice, its bends evened out.
+pub(super) fn spine(work: &Work, t: &TierSettings, a: &Settlement, b: &Settlement, wide: &Pair) -> Vec<DVec2> {
+    let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
+    let step = work.settings.step * t.wide_step;
+    let mut out = vec![a.centre.plan()];
+    // The first and the last node are the centres themselves, rounded.
+    let inner = wide.nodes.len().saturating_sub(1).max(1);
+    out.extend(wide.nodes[1.min(wide.nodes.len())..inner.min(wide.nodes.len())].iter().map(|n| node_at(*n, step)));
+    out.push(b.centre.plan());
+    for _ in 0..6 {
+        let before = out.clone();
+        for (p, w) in out[1..].iter_mut().zip(before.windows(3)) {
+            *p = (w[0] + w[1] * 2.0 + w[2]) / 4.0;
+        }
+    }
+    out
+}
+
+/// Distance d(a, b) of two settlements over the ground in metres of flat open ground, infinite where there is no way: the
+/// cost of the geodesic between their centres on the fine lattice, within the corridor around the way on the wide one,
+/// without roads and gates.
+pub(super) fn distance(
+    work: &Work,
+    tier: SizeClass,
+    a: &Settlement,
+    b: &Settlement,
+    cancel: &Cancel,
+) -> Result<f64, LayerError> {
+    let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
+    let found = work.distances.get(&(tier as u8, a.id, b.id), || {
+        let t = work.settings.tier(tier);
+        let wide = pair(work, tier, a, b, cancel)?;
+        if !wide.cost.is_finite() {
+            return Ok(Distance(f64::INFINITY));
+        }
+        let spine = spine(work, t, a, b, &wide);
+        over_ground(work, tier, [a, b], Strip::around(&spine, t.corridor, work.settings.step), cancel).map(Distance)
+    })?;
+    Ok(found.0)
+}
+
+/// Cost of the geodesic between two settlements' centres within a strip.
+pub(super) fn over_ground(
+    work: &Work,
+    tier: SizeClass,
+    ends: [&Settlement; 2],
+    strip: Strip,
+    cancel: &Cancel,
+) -> Result<f64, LayerError> {
+    let step = work.settings.step;
+    let mut field = open_ground(work, tier, ends, strip)?;
+    let [from, to] = ends.map(|s| node_near(s.centre.plan(), step));
+    let line = stencil_distance(to - from) * step as f64;
+    let length = beeline(ends[0], ends[1]);
+    if from == to {
+        return Ok(length);
+    }
+    let stops = [stops(&mut field, ends[0], step)?, stops(&mut field, ends[1], step)?];
+    let found = geodesic(&mut field, &stops[0], &stops[1], cancel)?;
+    // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
+    Ok(found.map_or(f64::INFINITY, |f| f.cost * length / line))
+}
+
+/// Where a way from a settlement begins: at its centre, or all around it if that is under water.
+fn stops(field: &mut Field, s: &Settlement, step: i64) -> Result<Vec<Stop>, LayerError> {
+    let centre = node_near(s.centre.plan(), step);
+    let stop = |node: I64Vec2, cost: f64| Stop { node, cost, beyond: DVec2::ZERO };
+    if field.is_dry(centre)? {
+        return Ok(vec![stop(centre, 0.0)]);
+    }
+    let mut out = Vec::new();
+    let r = (s.radius / step as f64).ceil() as i64;
+    for y in -r..=r {
+        for x in -r..=r {
+            let by = I64Vec2::new(x, y);
+            let cost = node_at(by, step).length();
+            if cost <= s.radius + step as f64 && field.is_dry(centre + by)? {
+                out.push(stop(centre + by, cost));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// The ground between two settlements without roads and gates, but with the settlements that a road would keep off.
+pub(super) fn open_ground<'a>(
+    work: &'a Work,
+    tier: SizeClass,
+    ends: [&Settlement; 2],
+    strip: Strip,
+) -> Result<Field<'a>, LayerError> {
+    let t = work.settings.tier(tier);
+    let step = work.settings.step;
+    let near = Bounds::of(strip.nodes.iter().map(|n| node_at(*n, step))).grown(MOST_REPEL);
+    let mut field = work.field(t, strip);
+    for s in work.places.of_tier(near, tier)?.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
+        field.add(|_, node| repelled(t, s, node_at(node, step)));
+    }
+    Ok(field)
+}
+
+/// Extra cost per metre beside a settlement that a road does not serve.
+fn repelled(t: &TierSettings, s: &Settlement, at: DVec2) -> f64 {
+    t.settlement * kernel(at.distance(s.centre.plan()), repels(s))
+}
+
+/// Distance in metres at which a settlement repels.
+fn repels(s: &Settlement) -> f64 {
+    (1.6 * s.radius + 200.0).min(MOST_REPEL)
 }
 
 /// Control term h of the settlements of the road's class or above that it does not serve: kernels around them (Galin
@@ -121,14 +238,11 @@ fn repulsion(
         if ends.iter().any(|e| e.id == s.id) {
             continue;
         }
-        let radius = (1.6 * s.radius + 200.0).min(MOST_REPEL);
-        let centre = s.centre.plan();
-        let part = Window::around(Bounds::square(centre, 2.0 * radius), step);
+        let part = Window::around(Bounds::square(s.centre.plan(), 2.0 * repels(&s)), step);
         for i in 0..part.len() {
             let node = part.node(i);
             if window.contains(node) {
-                let h = t.settlement * kernel(node_at(node, step).distance(centre), radius);
-                out[window.index(node)] += h as f32;
+                out[window.index(node)] += repelled(t, &s, node_at(node, step)) as f32;
             }
         }
     }
@@ -154,6 +268,9 @@ pub(super) fn hopeless(t: &TierSettings, a: &Settlement, b: &Settlement, others:
 
 /// Whether the proximity rule keeps a pair. `others` holds every settlement of the pair's class or above within reach of
 /// both ends; it may hold more.
+///
+/// The rule is about distances over the ground. Those on the wide lattice are close to them: they decide where they leave
+/// no doubt, and only the others are measured on the fine one.
 pub(super) fn kept(
     work: &Work,
     a: &Settlement,
@@ -163,7 +280,8 @@ pub(super) fn kept(
 ) -> Result<bool, LayerError> {
     let tier = tier_of(a, b);
     let t = work.settings.tier(tier);
-    let ab = pair(work, tier, a, b, cancel)?.cost;
+    let wide = |a: &Settlement, b: &Settlement| Ok::<f64, LayerError>(pair(work, tier, a, b, cancel)?.cost);
+    let ab = wide(a, b)?;
     if !ab.is_finite() {
         return Ok(false);
     }
@@ -171,14 +289,26 @@ pub(super) fn kept(
     let mut near: Vec<(f64, &Arc<Settlement>)> = Vec::new();
     for c in others {
         let (ac, bc) = (beeline(a, c), beeline(b, c));
-        if c.id != a.id && c.id != b.id && ac.max(bc) <= t.reach && rules_out(ac, bc, ab, t.gamma) {
+        if c.id != a.id && c.id != b.id && ac.max(bc) <= t.reach && rules_out(ac, bc, ab * (1.0 + DOUBT), t.gamma) {
             near.push((ac + bc, c));
         }
     }
     near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.id.cmp(&y.1.id)));
+    let (least, most) = (ab * (1.0 - DOUBT), ab * (1.0 + DOUBT));
+    let mut doubtful = Vec::new();
     for (_, c) in near {
-        let ac = pair(work, tier, a, c, cancel)?.cost;
-        if ac < ab && rules_out(ac, pair(work, tier, b, c, cancel)?.cost, ab, t.gamma) {
+        let ac = wide(a, c)?;
+        let bc = if ac < most { wide(b, c)? } else { continue };
+        if rules_out(ac, bc, least, t.gamma) {
+            return Ok(false);
+        }
+        if rules_out(ac, bc, most, t.gamma) {
+            doubtful.push(c);
+        }
+    }
+    for c in doubtful {
+        let fine = |a: &Settlement, b: &Settlement| distance(work, tier, a, b, cancel);
+        if rules_out(fine(a, c)?, fine(b, c)?, fine(a, b)?, t.gamma) {
             return Ok(false);
         }
     }

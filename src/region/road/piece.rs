@@ -1,6 +1,8 @@
 //! Pieces of road: lines of the graph from junction to junction, rounded off, and cut where bridges begin and end.
 
-use super::graph::{Graph, Key, Place, tile_bounds};
+use super::course::Course;
+use super::graph::{Graph, Key, tile_bounds};
+use super::profile::Profile;
 use super::shape::{Shape, Shapes, corner};
 use super::{Road, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
@@ -22,7 +24,8 @@ pub(super) struct Pieces(pub Vec<Arc<Road>>);
 
 impl Weigh for Pieces {
     fn bytes(&self) -> usize {
-        self.0.iter().map(|r| 8 + size_of::<Road>() + r.street.line.len() * size_of::<DVec2>()).sum::<usize>() + 24
+        let points = |r: &Road| r.street.line.len() * (size_of::<DVec2>() + size_of::<f64>());
+        self.0.iter().map(|r| 8 + size_of::<Road>() + points(r)).sum::<usize>() + 24
     }
 }
 
@@ -139,26 +142,37 @@ pub(super) fn pieces(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Piec
 fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
     walk.cancel.check()?;
     let mut places: Vec<Shape> = Vec::new();
+    let mut levels: Vec<i8> = Vec::new();
     let mut class = None;
     for (i, key) in keys.iter().enumerate() {
         let graph = walk.graph(key.tile())?;
         let Some(v) = graph.vertices.get(key) else { return Ok(Vec::new()) };
-        if i == 0 {
-            class = v.ways.iter().find(|w| w.to == keys[1]).map(|w| w.class);
-        }
+        let way = keys.get(i + 1).and_then(|next| v.ways.iter().find(|w| w.to == *next));
+        class = class.or(way.map(|w| w.class));
+        levels.extend(way.map(|w| w.level));
         let inner = i > 0 && i + 1 < keys.len();
         let shape = if inner { walk.shape(*key)? } else { None };
         places.push(shape.unwrap_or(Shape { place: v.place, round: false }));
     }
     let Some(class) = class else { return Ok(Vec::new()) };
     let origin = places[0].place.origin;
-    let mut points: Vec<Place> = vec![places[0].place];
-    for w in places.windows(3) {
-        points.extend(corner(&w[0].place, &w[1], &w[2].place));
+    let mut line: Vec<DVec2> = vec![places[0].place.local_to(origin)];
+    // Parts of the line on one level: index of its last point, level.
+    let mut runs: Vec<(usize, i8)> = Vec::new();
+    for i in 1..places.len() {
+        let points = match places.get(i + 1) {
+            Some(after) => corner(&places[i - 1], &places[i], after),
+            None => vec![places[i].place],
+        };
+        for p in points.iter().map(|p| p.local_to(origin)) {
+            if line.last() != Some(&p) {
+                line.push(p);
+            }
+        }
+        if i + 1 == places.len() || levels.get(i) != levels.get(i - 1) {
+            runs.push((line.len() - 1, levels.get(i - 1).copied().unwrap_or(0)));
+        }
     }
-    points.extend(places.last().map(|s| s.place));
-    let mut line: Vec<DVec2> = points.iter().map(|p| p.local_to(origin)).collect();
-    line.dedup();
 
     let (from, to) = (keys[0].junction(), keys[keys.len() - 1].junction());
     let mut words = keys[0].words().to_vec();
@@ -166,22 +180,56 @@ fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
     words.extend(keys[keys.len() / 2].words());
     words.extend([from.0, to.0]);
     let name = stable_hash(&words);
-    let parts = parts(walk.work, origin, &line);
-    let whole = parts.len() == 1;
+    let work = walk.work;
+    let parts = all_parts(work, origin, &line, &runs);
+    let profile = Profile::along(&*work.terrain, origin, &line, &runs, work.settings.class(class).slope_limit);
     let mut out = Vec::new();
-    for (i, (range, bridge)) in parts.iter().enumerate() {
+    let mut at = 0.0;
+    for (i, part) in parts.iter().enumerate() {
         let end = |at: usize| match at {
             0 => from,
             n if n == parts.len() => to,
             n => JunctionId::of(&[3, name, n as u64]),
         };
         let id = StreetId::of(&[name, end(i).0, end(i + 1).0, i as u64]);
-        let part = if whole { line.clone() } else { cut(&line, *range) };
-        let mut street = Street::new(id, class, end(i), end(i + 1), part);
-        street.bridge = *bridge;
-        out.push(Arc::new(Road { origin, street }));
+        let (mut heights, ends) = profile.heights(&part.line, at);
+        at = ends;
+        if let (true, Some(last)) = (i + 1 == parts.len(), heights.last_mut()) {
+            *last = profile.end();
+        }
+        let mut street = Street::new(id, class, end(i), end(i + 1), part.line.clone());
+        (street.level, street.bridge, street.tunnel) = (part.level, part.bridge, part.level < 0);
+        out.push(Arc::new(Road { origin, street, heights }));
     }
     Ok(out)
+}
+
+/// A part of a line between two junctions.
+struct Part {
+    line: Vec<DVec2>,
+    level: i8,
+    bridge: bool,
+}
+
+/// A line cut where bridges and tunnels begin and end: those that the course chose, and bridges over what water is left.
+fn all_parts(work: &Work, origin: Origin, line: &[DVec2], runs: &[(usize, i8)]) -> Vec<Part> {
+    let mut out = Vec::new();
+    let mut first = 0;
+    for (last, level) in runs {
+        let run = &line[first..=*last];
+        first = *last;
+        if *level != 0 {
+            out.push(Part { line: run.to_vec(), level: *level, bridge: *level > 0 });
+            continue;
+        }
+        let parts = parts(work, origin, run);
+        let whole = parts.len() == 1;
+        out.extend(parts.into_iter().map(|(range, bridge)| {
+            let line = if whole { run.to_vec() } else { cut(run, range) };
+            Part { line, level: 0, bridge }
+        }));
+    }
+    out
 }
 
 /// A part of a line, its new ends on the quantum grid.
@@ -225,10 +273,21 @@ fn parts(work: &Work, origin: Origin, line: &[DVec2]) -> Vec<((f64, f64), bool)>
     out
 }
 
-/// Number of bridges along a way in plan metres.
-pub(super) fn bridges(work: &Work, line: &[DVec2]) -> usize {
+/// Number of bridges along a course but for those that its search chose.
+pub(super) fn bridges(work: &Work, course: &Course) -> usize {
+    let line = course.line(work.settings.step);
     // Relative to its own origin, so that the same way is the same anywhere.
     let origin = Origin::at(line.first().copied().unwrap_or_default());
     let local: Vec<DVec2> = line.iter().map(|p| origin.to_local(*p)).collect();
-    parts(work, origin, &local).iter().filter(|p| p.1).count()
+    // Points of the line are a gate, the nodes, and a gate.
+    let mut first = 0;
+    let mut count = 0;
+    let ends = course.spans.iter().map(|s| (s.first + 1, s.last + 1)).chain([(local.len() - 1, 0)]);
+    for (last, next) in ends {
+        if last > first {
+            count += parts(work, origin, &local[first..=last]).iter().filter(|p| p.1).count();
+        }
+        first = next;
+    }
+    count
 }

@@ -1,8 +1,9 @@
-//! Shortest paths on a window of the lattice: A* over a stencil of 16 headings.
+//! Shortest paths between nodes of a window of the wide lattice: A* over a stencil of 16 headings, without headings in the
+//! state. They say where to look closer, in `geodesic`.
 
 use super::lattice::{DIRECTIONS, STENCIL};
 use crate::layer::{Cancel, LayerError};
-use glam::{DVec2, I64Vec2};
+use glam::I64Vec2;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -44,32 +45,22 @@ impl Window {
 }
 
 /// What is searched for.
-pub(super) struct Task<'a> {
+pub(super) struct Task {
     pub window: Window,
     /// Spacing of the nodes in metres.
     pub step: i64,
-    /// Nodes where the path may begin, with the cost so far.
-    pub from: &'a [(I64Vec2, f64)],
-    /// Nodes where it may end, with the cost from there on.
-    pub to: &'a [(I64Vec2, f64)],
-    /// Plan point that no remaining cost is below the beeline to.
-    pub goal: DVec2,
+    pub from: I64Vec2,
+    pub to: I64Vec2,
     /// Greatest cost.
     pub limit: f64,
     /// Greatest length of a bridge in metres.
     pub bridge_limit: f64,
-    /// Cost of a bend by one heading; grows with the square of their number.
-    pub turn: f64,
 }
 
 /// A path found.
 pub(super) struct Found {
     pub cost: f64,
     pub nodes: Vec<I64Vec2>,
-    /// Index into [`Task::from`].
-    pub from: usize,
-    /// Index into [`Task::to`].
-    pub to: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -82,73 +73,57 @@ struct Label {
     closed: bool,
 }
 
-/// The cheapest path. `edge(node, index, heading, length)` is the cost of an edge of that length and the share of it
-/// that is a bridge, `None` where there is no way.
+/// The cheapest path. `edge(node, index, heading, length)` is the cost of an edge of that length, at least the length, and
+/// the share of it that is a bridge; `None` where there is no way.
 ///
-/// Bends and the lengths of bridges depend on how a node was reached; the label with the lowest cost is taken, so the
-/// result is a cheap path, not always the cheapest.
+/// The length of a bridge depends on how a node was reached; the label with the lowest cost is taken, so where bridges
+/// reach their limit the result is a cheap path, not always the cheapest.
 pub(super) fn search(
     task: &Task,
     cancel: &Cancel,
     mut edge: impl FnMut(I64Vec2, usize, usize, f64) -> Result<Option<(f64, f64)>, LayerError>,
 ) -> Result<Option<Found>, LayerError> {
     let w = &task.window;
+    if !w.contains(task.from) || !w.contains(task.to) {
+        return Ok(None);
+    }
     let none = Label { cost: f64::INFINITY, wet: 0.0, heading: DIRECTIONS as u8, closed: false };
     let mut labels = vec![none; w.len()];
     let step = task.step as f64;
-    let rest = |node: I64Vec2| (node.as_dvec2() * step).distance(task.goal);
+    let rest = |node: I64Vec2| (task.to - node).as_dvec2().length() * step;
     // Costs are not negative, so their bits sort like they do.
     let mut open = BinaryHeap::new();
-    for (node, cost) in task.from {
-        if w.contains(*node) && *cost < labels[w.index(*node)].cost {
-            labels[w.index(*node)].cost = *cost;
-            open.push(Reverse(((cost + rest(*node)).to_bits(), w.index(*node))));
-        }
-    }
+    labels[w.index(task.from)].cost = 0.0;
+    open.push(Reverse((rest(task.from).to_bits(), w.index(task.from))));
     let lengths = STENCIL.map(|s| s.as_dvec2().length() * step);
-    let mut best: Option<(f64, usize, usize)> = None;
+    let last = w.index(task.to);
     let mut popped = 0u32;
-    while let Some(Reverse((bits, index))) = open.pop() {
-        if best.is_some_and(|b| f64::from_bits(bits) >= b.0) {
-            break;
-        }
+    while let Some(Reverse((_, index))) = open.pop() {
         let here = labels[index];
         if here.closed {
             continue;
         }
         labels[index].closed = true;
+        if index == last {
+            break;
+        }
         popped += 1;
         if popped.is_multiple_of(4096) {
             cancel.check()?;
         }
         let node = w.node(index);
-        for (i, (end, more)) in task.to.iter().enumerate() {
-            let whole = here.cost + more;
-            if *end == node && whole <= task.limit && best.is_none_or(|b| whole < b.0) {
-                best = Some((whole, index, i));
-            }
-        }
         for (heading, s) in STENCIL.iter().enumerate() {
             let next = node + *s;
             if !w.contains(next) {
                 continue;
             }
             let next_index = w.index(next);
-            if labels[next_index].closed {
-                continue;
-            }
-            let mut cost = here.cost;
-            if usize::from(here.heading) < DIRECTIONS {
-                let apart = (heading + DIRECTIONS - usize::from(here.heading)) % DIRECTIONS;
-                let bend = apart.min(DIRECTIONS - apart) as f64;
-                cost += task.turn * bend * bend;
-            }
             let length = lengths[heading];
-            if cost + length >= labels[next_index].cost {
+            if labels[next_index].closed || here.cost + length >= labels[next_index].cost {
                 continue;
             }
             let Some((edge_cost, bridge)) = edge(node, index, heading, length)? else { continue };
-            cost += edge_cost;
+            let cost = here.cost + edge_cost;
             let wet = if bridge > 0.0 { f64::from(here.wet) + length * bridge } else { 0.0 };
             let all = cost + rest(next);
             if wet > task.bridge_limit || all > task.limit || cost >= labels[next_index].cost {
@@ -158,8 +133,10 @@ pub(super) fn search(
             open.push(Reverse((all.to_bits(), next_index)));
         }
     }
-    let Some((cost, last, to)) = best else { return Ok(None) };
-    let mut nodes = vec![w.node(last)];
+    if !labels[last].closed {
+        return Ok(None);
+    }
+    let mut nodes = vec![task.to];
     let mut index = last;
     while usize::from(labels[index].heading) < DIRECTIONS {
         let node = w.node(index) - STENCIL[usize::from(labels[index].heading)];
@@ -167,8 +144,7 @@ pub(super) fn search(
         index = w.index(node);
     }
     nodes.reverse();
-    let from = task.from.iter().position(|(n, c)| *n == nodes[0] && *c == labels[index].cost).unwrap_or(0);
-    Ok(Some(Found { cost, nodes, from, to }))
+    Ok(Some(Found { cost: labels[last].cost, nodes }))
 }
 
 #[cfg(test)]
@@ -176,35 +152,27 @@ mod tests {
     use super::super::lattice::stencil_distance;
     use super::*;
 
-    fn task<'a>(from: &'a [(I64Vec2, f64)], to: &'a [(I64Vec2, f64)]) -> Task<'a> {
+    fn task(from: I64Vec2, to: I64Vec2) -> Task {
         let window = Window { min: I64Vec2::splat(-5), size: I64Vec2::splat(40) };
-        let goal = to[0].0.as_dvec2() * 100.0;
-        Task { window, step: 100, from, to, goal, limit: 1e5, bridge_limit: 150.0, turn: 0.0 }
+        Task { window, step: 100, from, to, limit: 1e5, bridge_limit: 150.0 }
     }
 
     #[test]
     fn open_ground_gives_the_distance_of_the_stencil() {
         let (a, b) = (I64Vec2::ZERO, I64Vec2::new(23, 7));
-        let (from, to) = ([(a, 5.0)], [(b, 3.0)]);
-        let found = search(&task(&from, &to), &Cancel::new(), |_, _, _, l| Ok(Some((l, 0.0)))).unwrap().unwrap();
-        assert!((found.cost - 8.0 - 100.0 * stencil_distance(b)).abs() < 1e-6);
+        let found = search(&task(a, b), &Cancel::new(), |_, _, _, l| Ok(Some((l, 0.0)))).unwrap().unwrap();
+        assert!((found.cost - 100.0 * stencil_distance(b)).abs() < 1e-6);
         assert_eq!((found.nodes[0], found.nodes[found.nodes.len() - 1]), (a, b));
-        // With a cost of bends it bends once.
-        let turning = Task { turn: 10.0, ..task(&from, &to) };
-        let found = search(&turning, &Cancel::new(), |_, _, _, l| Ok(Some((l, 0.0)))).unwrap().unwrap();
-        let bends = found.nodes.windows(3).filter(|n| n[2] - n[1] != n[1] - n[0]).count();
-        assert_eq!(bends, 1);
     }
 
     #[test]
     fn wide_water_is_not_crossed() {
-        let (from, to) = ([(I64Vec2::ZERO, 0.0)], [(I64Vec2::new(20, 0), 0.0)]);
         let river = |wide: i64| {
             let edge = move |n: I64Vec2, _: usize, h: usize, l: f64| {
                 let wet = |n: I64Vec2| (10..10 + wide).contains(&n.x);
                 Ok(Some((l, (f64::from(u8::from(wet(n)) + u8::from(wet(n + STENCIL[h])))) / 2.0)))
             };
-            search(&task(&from, &to), &Cancel::new(), edge).unwrap()
+            search(&task(I64Vec2::ZERO, I64Vec2::new(20, 0)), &Cancel::new(), edge).unwrap()
         };
         assert!(river(1).is_some() && river(4).is_none());
     }

@@ -1,6 +1,7 @@
 //! Settings of roads.
 
 use crate::layer::RangeError;
+use crate::network::StreetClass;
 use crate::region::SizeClass;
 use serde::{Deserialize, Serialize};
 
@@ -39,12 +40,24 @@ pub struct TierSettings {
     pub slope: f64,
     /// Steepest slope (rise over run) in the direction of travel, between lattice points: 0.01 to 1.
     pub slope_limit: f64,
-    /// Extra cost per metre of bridge over shallow water: 0 to 100. It doubles at the greatest depth.
+    /// Greatest height in metres by which the ground may leave the straight line between lattice points, which is cut
+    /// or filled: 1 to 100.
+    pub earthwork: f64,
+    /// Extra cost per metre of bridge over land or shallow water: 0 to 100. Over water it grows, and doubles at the
+    /// greatest depth.
     pub water: f64,
     /// Greatest depth of water that is bridged, in metres: 0 to 200.
     pub depth_limit: f64,
-    /// Greatest length of a bridge in metres: 0 to 5000.
+    /// Cost of a bridge of any length, in metres: 0 to 10,000.
+    pub bridge: f64,
+    /// Greatest length of a bridge in metres: 0 to 5000. Shorter than two steps of the lattice, only brooks are crossed.
     pub bridge_limit: f64,
+    /// Extra cost per metre of tunnel: 0 to 100.
+    pub tunnel_metre: f64,
+    /// Cost of a tunnel of any length, in metres: 0 to 10,000.
+    pub tunnel: f64,
+    /// Greatest length of a tunnel in metres: 0 to 5000; 0 for none.
+    pub tunnel_limit: f64,
     /// Extra cost per metre in dense wood: 0 to 20.
     pub vegetation: f64,
     /// Extra cost per metre at the centre of a settlement that the road does not serve: 0 to 100.
@@ -55,6 +68,12 @@ pub struct TierSettings {
     pub beside: f64,
     /// Cost of a bend of 22 degrees, in metres; grows with the square of the angle: 0 to 1000.
     pub turn: f64,
+    /// Least radius of bends in metres, but at junctions: 10 to 1000. Bends of one heading, 270 m on a lattice of 128 m,
+    /// are always allowed.
+    pub radius: f64,
+    /// Greatest extra cost per metre that varies from place to place for no reason that the terrain knows: 0 to 1. Roads
+    /// that it makes wind by little find to each other.
+    pub rough: f64,
 }
 
 impl Default for TierSettings {
@@ -67,14 +86,21 @@ impl Default for TierSettings {
             corridor: 700.0,
             slope: 2.5,
             slope_limit: 0.14,
-            water: 6.0,
+            earthwork: 14.0,
+            water: 5.0,
             depth_limit: 10.0,
-            bridge_limit: 300.0,
+            bridge: 150.0,
+            bridge_limit: 600.0,
+            tunnel_metre: 8.0,
+            tunnel: 400.0,
+            tunnel_limit: 0.0,
             vegetation: 0.2,
             settlement: 4.0,
             building: 0.5,
             beside: 1.0,
             turn: 4.0,
+            radius: 50.0,
+            rough: 0.08,
         }
     }
 }
@@ -89,8 +115,10 @@ impl Default for RoadSettings {
             corridor: 900.0,
             slope: 3.0,
             slope_limit: 0.11,
-            bridge_limit: 450.0,
+            bridge_limit: 700.0,
+            tunnel_limit: 700.0,
             turn: 5.0,
+            radius: 120.0,
             ..minor.clone()
         };
         let highway = TierSettings {
@@ -101,9 +129,14 @@ impl Default for RoadSettings {
             corridor: 1_200.0,
             slope: 4.0,
             slope_limit: 0.08,
+            earthwork: 20.0,
+            water: 4.0,
             depth_limit: 15.0,
-            bridge_limit: 700.0,
+            bridge_limit: 1_000.0,
+            tunnel_metre: 5.0,
+            tunnel_limit: 1_600.0,
             turn: 6.0,
+            radius: 250.0,
             ..minor.clone()
         };
         Self { step: 128, highway, major, minor }
@@ -120,14 +153,21 @@ impl TierSettings {
         range("corridor", self.corridor, 200.0, 3000.0)?;
         range("slope", self.slope, 0.0, 100.0)?;
         range("slope_limit", self.slope_limit, 0.01, 1.0)?;
+        range("earthwork", self.earthwork, 1.0, 100.0)?;
         range("water", self.water, 0.0, 100.0)?;
         range("depth_limit", self.depth_limit, 0.0, 200.0)?;
+        range("bridge", self.bridge, 0.0, 10_000.0)?;
         range("bridge_limit", self.bridge_limit, 0.0, 5000.0)?;
+        range("tunnel_metre", self.tunnel_metre, 0.0, 100.0)?;
+        range("tunnel", self.tunnel, 0.0, 10_000.0)?;
+        range("tunnel_limit", self.tunnel_limit, 0.0, 5000.0)?;
         range("vegetation", self.vegetation, 0.0, 20.0)?;
         range("settlement", self.settlement, 0.0, 100.0)?;
         range("building", self.building, 0.0, 5.0)?;
         range("beside", self.beside, 0.0, 20.0)?;
-        range("turn", self.turn, 0.0, 1000.0)
+        range("turn", self.turn, 0.0, 1000.0)?;
+        range("radius", self.radius, 10.0, 1000.0)?;
+        range("rough", self.rough, 0.0, 1.0)
     }
 
     /// Distance from any point of a road of this class within which one of its two settlements has its centre: a path on
@@ -146,6 +186,15 @@ impl RoadSettings {
         self.highway.check().map_err(|e| e.within("highway"))?;
         self.major.check().map_err(|e| e.within("major"))?;
         self.minor.check().map_err(|e| e.within("minor"))
+    }
+
+    /// Settings of the roads of a class.
+    pub(super) fn class(&self, class: StreetClass) -> &TierSettings {
+        match class {
+            StreetClass::Highway => &self.highway,
+            StreetClass::Major => &self.major,
+            _ => &self.minor,
+        }
     }
 
     /// Settings of the roads whose smaller end is of size `tier`.

@@ -2,8 +2,8 @@
 //!
 //! Vertices with two ways are moved by up to three rounds of binomial smoothing and their corners rounded by a parabola. How far
 //! the line may stray from the lattice's at each is known beforehand; where two lines, or a line and an outline, are not
-//! further apart than both may stray, neither is touched. That decision needs only what lies within a few steps, and no
-//! order.
+//! further apart than both may stray, neither is moved, and if not even rounding their corners leaves room, neither is
+//! touched. That decision needs only what lies within a few steps, and no order.
 
 use super::Work;
 use super::graph::{Graph, Key, Place, Vertex, tile_bounds};
@@ -76,8 +76,13 @@ impl Around<'_> {
             // The tie stays as it was found free.
             return Some(still);
         }
-        if angle_between(-pa, pb) > 1.4 {
+        if a.level != 0 || b.level != 0 || angle_between(-pa, pb) > 1.4 {
             return Some(Bend { stray: 0.0, ..still });
+        }
+        // Straight onto a bridge or into a tunnel.
+        let spans = |k: Key| self.ways(k).is_some_and(|v| v.ways.iter().any(|w| w.level != 0));
+        if spans(a.to) || spans(b.to) {
+            return Some(still);
         }
         // Rows of Pascal's triangle, as many as the line is long on both sides.
         let second = (self.beyond(key, a.to), self.beyond(key, b.to));
@@ -112,74 +117,103 @@ pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: 
         bends.extend(around.bend(*key).map(|b| (*key, b)));
     }
     let moved = |k: &Key| bends.get(k).map_or(0.0, |b| b.by.length());
-    let stray: BTreeMap<Key, f64> = bends
+    let stray: BTreeMap<Key, Stray> = bends
         .iter()
         .map(|(k, b)| {
-            let own = b.by.length();
-            (*k, own + b.stray + (moved(&b.around[0]) + moved(&b.around[1]) + 2.0 * own) / 8.0)
+            let (own, around) = (b.by.length(), moved(&b.around[0]) + moved(&b.around[1]));
+            let round = b.stray + around / 8.0;
+            (*k, Stray { moved: own + own / 4.0 + round, round })
         })
         .collect();
-    let still = conflicts(work, &around, &bends, &stray, own)?;
+    let Kept { still, sharp } = conflicts(work, &around, &bends, &stray, own)?;
     let mut out = Shapes::default();
     for (key, bend) in bends.iter().filter(|(k, _)| k.tile() == tile) {
         let Some(v) = around.ways(*key) else { continue };
-        let free = still.binary_search(key).is_err() && bend.stray + bend.by.length() > 0.0;
-        let place = if free { v.place.moved(bend.by) } else { v.place };
-        out.0.insert(*key, Shape { place, round: free && bend.stray > 0.3 });
+        let place = if still.binary_search(key).is_err() { v.place.moved(bend.by) } else { v.place };
+        let round = sharp.binary_search(key).is_err() && bend.stray + bend.by.length() > 0.3;
+        out.0.insert(*key, Shape { place, round });
     }
     Ok(out)
+}
+
+/// How far the line may stray from the lattice's near a vertex: if it is moved, and if its corner is only rounded off.
+#[derive(Clone, Copy, Default)]
+struct Stray {
+    moved: f64,
+    round: f64,
 }
 
 struct Line {
     ends: [Key; 2],
     at: [DVec2; 2],
     bounds: Bounds,
-    stray: f64,
+    stray: [Stray; 2],
+    level: i8,
 }
 
-/// Vertices that must stay where they are, sorted.
+/// Vertices that must stay where they are, and those whose corners must stay sharp too; both sorted.
+struct Kept {
+    still: Vec<Key>,
+    sharp: Vec<Key>,
+}
+
+impl Line {
+    fn stray(&self, of: fn(&Stray) -> f64) -> f64 {
+        of(&self.stray[0]).max(of(&self.stray[1]))
+    }
+
+    /// Whether two lines might meet.
+    fn clashes(&self, f: &Line, bends: &BTreeMap<Key, Bend>, of: fn(&Stray) -> f64) -> bool {
+        match self.ends.iter().position(|k| f.ends.contains(k)) {
+            None => {
+                let apart = segment_distance(self.at[0], self.at[1], f.at[0], f.at[1]);
+                apart < self.stray(of) + f.stray(of) + APART
+            }
+            // Neighbours along one line round the same corner off.
+            Some(x) if bends.contains_key(&self.ends[x]) => false,
+            Some(x) => {
+                let y = usize::from(f.ends[1] == self.ends[x]);
+                let margin = of(&self.stray[1 - x]) + of(&f.stray[1 - y]) + APART;
+                let off = |p: DVec2, l: &Line| segment_distance(p, p, l.at[0], l.at[1]);
+                off(self.at[1 - x], f).min(off(f.at[1 - y], self)) < margin
+            }
+        }
+    }
+}
+
 fn conflicts(
     work: &Work,
     around: &Around,
     bends: &BTreeMap<Key, Bend>,
-    stray: &BTreeMap<Key, f64>,
+    stray: &BTreeMap<Key, Stray>,
     own: Bounds,
-) -> Result<Vec<Key>, LayerError> {
+) -> Result<Kept, LayerError> {
     let step = work.settings.step as f64;
     let near = own.grown(PADDING_STEPS * step).moved(-around.origin.plan());
-    let stray_of = |k: &Key| stray.get(k).copied().unwrap_or(0.0);
+    let stray_of = |k: &Key| stray.get(k).copied().unwrap_or_default();
     let mut lines = Vec::new();
     for (key, v) in &around.vertices {
         for way in v.ways.iter().filter(|w| *key < w.to || !around.vertices.contains_key(&w.to)) {
             let at = [v.place.local_to(around.origin), way.place.local_to(around.origin)];
-            let stray = stray_of(key).max(stray_of(&way.to));
-            let bounds = Bounds::of(at).grown((stray + APART) / 2.0);
+            let stray = [stray_of(key), stray_of(&way.to)];
+            let bounds = Bounds::of(at).grown((stray[0].moved.max(stray[1].moved) + APART) / 2.0);
             if bounds.overlaps(near) {
-                lines.push(Line { ends: [*key, way.to], at, bounds, stray });
+                lines.push(Line { ends: [*key, way.to], at, bounds, stray, level: way.level });
             }
         }
     }
-    let mut still = Vec::new();
+    let mut out = Kept { still: Vec::new(), sharp: Vec::new() };
+    let both: [fn(&Stray) -> f64; 2] = [|s| s.moved, |s| s.round];
     for (i, e) in lines.iter().enumerate() {
         for f in &lines[i + 1..] {
-            if !e.bounds.overlaps(f.bounds) {
+            if e.level != f.level || !e.bounds.overlaps(f.bounds) {
                 continue;
             }
-            let shared = e.ends.iter().position(|k| f.ends.contains(k));
-            let clash = match shared {
-                None => segment_distance(e.at[0], e.at[1], f.at[0], f.at[1]) < e.stray + f.stray + APART,
-                // Neighbours along one line round the same corner off.
-                Some(x) if bends.contains_key(&e.ends[x]) => false,
-                Some(x) => {
-                    let y = usize::from(f.ends[1] == e.ends[x]);
-                    let (far_e, far_f) = (e.at[1 - x], f.at[1 - y]);
-                    let margin = stray_of(&e.ends[1 - x]) + stray_of(&f.ends[1 - y]) + APART;
-                    let off = |p: DVec2, l: &Line| segment_distance(p, p, l.at[0], l.at[1]);
-                    off(far_e, f).min(off(far_f, e)) < margin
+            // All four ends stay, so it is their corners alone that might still be too much.
+            for (of, held) in both.into_iter().zip([&mut out.still, &mut out.sharp]) {
+                if e.clashes(f, bends, of) {
+                    held.extend(e.ends.iter().chain(&f.ends).filter(|k| bends.contains_key(k)));
                 }
-            };
-            if clash {
-                still.extend(e.ends.iter().chain(&f.ends).filter(|k| bends.contains_key(k)));
             }
         }
     }
@@ -189,30 +223,43 @@ fn conflicts(
         let shift = around.origin.offset_to(outline.origin);
         let bounds = outline.bounds().moved(-around.origin.plan());
         for e in lines.iter().filter(|e| e.bounds.overlaps(bounds)) {
-            let margin = e.stray + APART;
-            if let Some(tie) = e.ends.iter().position(|k| k.is_gate()) {
-                // Only the outer half of a tie is rounded off.
-                let outer = e.at[1 - tie] + shift;
-                let half = (e.at[0] + e.at[1]) / 2.0 + shift;
-                if polygon_distance(half, outer, &outline.polygon) < margin {
-                    still.push(e.ends[1 - tie]);
+            for (of, held) in both.into_iter().zip([&mut out.still, &mut out.sharp]) {
+                let margin = e.stray(of) + APART;
+                if let Some(tie) = e.ends.iter().position(|k| k.is_gate()) {
+                    // Only the outer half of a tie is rounded off.
+                    let outer = e.at[1 - tie] + shift;
+                    let half = (e.at[0] + e.at[1]) / 2.0 + shift;
+                    if polygon_distance(half, outer, &outline.polygon) < margin {
+                        held.push(e.ends[1 - tie]);
+                    }
+                } else if polygon_distance(e.at[0] + shift, e.at[1] + shift, &outline.polygon) < margin {
+                    held.extend(e.ends);
                 }
-            } else if polygon_distance(e.at[0] + shift, e.at[1] + shift, &outline.polygon) < margin {
-                still.extend(e.ends);
             }
         }
     }
-    still.sort_unstable();
-    still.dedup();
-    Ok(still)
+    for held in [&mut out.still, &mut out.sharp] {
+        held.sort_unstable();
+        held.dedup();
+    }
+    Ok(out)
 }
 
 /// Points of a line's corner between the middles of its two sides, before the next corner.
-pub(super) fn corner(before: &Place, at: &Shape, after: &Place) -> Vec<Place> {
-    let (a, b) = (before.from(&at.place) / 2.0, after.from(&at.place) / 2.0);
+pub(super) fn corner(before: &Shape, at: &Shape, after: &Shape) -> Vec<Place> {
+    let (a, b) = (before.place.from(&at.place) / 2.0, after.place.from(&at.place) / 2.0);
     if !at.round || (a + b).length() < 1.0 {
         return vec![at.place];
     }
+    // A parabola that begins and ends as far from the corner bends least sharply.
+    let reach = a.length().min(b.length());
+    let begins = (a.length() - reach > 4.0) || !before.round;
+    let ends = (b.length() - reach > 4.0) || !after.round;
+    let (a, b) = (a.normalize_or_zero() * reach, b.normalize_or_zero() * reach);
     // Symmetric in the two sides, so that both directions give the same points.
-    [0.125, 0.375, 0.625, 0.875].map(|t: f64| at.place.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).to_vec()
+    let mut points = Vec::new();
+    points.extend(begins.then_some(0.0));
+    points.extend([0.125, 0.375, 0.625, 0.875]);
+    points.extend(ends.then_some(1.0));
+    points.into_iter().map(|t: f64| at.place.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).collect()
 }

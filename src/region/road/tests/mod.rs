@@ -1,5 +1,6 @@
 //! What holds of roads as a whole.
 
+mod costs;
 mod ground;
 
 use super::lattice::node_at;
@@ -27,6 +28,7 @@ fn local_segments(pieces: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize, DV
 fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
     let mut at: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
     for r in pieces {
+        assert_eq!(r.heights.len(), r.street.line.len());
         let (line, shift) = (&r.street.line, r.origin.offset_to(origin));
         assert!(line.iter().all(|p| quantize(*p) == *p));
         assert!(r.street.length() > 1.0, "{r:?}");
@@ -46,6 +48,9 @@ fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
             }
             let Some(x) = segment_crossing(*a, *b, *c, *d) else { continue };
             let (r, s) = (&pieces[*i].street, &pieces[*j].street);
+            if r.level != s.level {
+                continue;
+            }
             let shared = [r.from, r.to].iter().any(|id| (*id == s.from || *id == s.to) && at[id] == x.at);
             assert!(shared, "{:?} and {:?} meet at {}", r.id, s.id, origin.to_plan(x.at));
         }
@@ -194,7 +199,7 @@ fn links_name_settlements_and_cost_at_least_their_beeline() {
     let settlements = roads.work.places.of_tier(bounds, SizeClass::Village).unwrap();
     assert!(links.len() >= settlements.len() / 2);
     for l in &links {
-        assert!(l.from < l.to && l.cost.is_finite() && l.length_m > 0.0);
+        assert!(l.from < l.to && l.cost.is_finite() && l.length_m > 0.0, "{l:?}");
         assert!(settlements.iter().any(|s| s.id == l.from || s.id == l.to));
     }
 }
@@ -223,4 +228,38 @@ fn a_cancelled_question_ends_and_can_be_asked_again() {
     let bounds = Bounds::square(DVec2::ZERO, 500.0);
     assert_eq!(roads.overlapping(bounds, &cancel), Err(LayerError::Cancelled));
     assert!(roads.overlapping(bounds, &Cancel::new()).is_ok());
+}
+
+#[test]
+fn bends_are_wide_and_grades_low_between_junctions() {
+    for seed in 31..34 {
+        let roads = roads(seed, false, &RoadSettings::default());
+        let (mut points, mut sharp, mut steep) = (0, 0, 0);
+        let mut at: BTreeMap<JunctionId, f64> = BTreeMap::new();
+        for r in all(&roads, Bounds::square(DVec2::new(0.0, 9_000.0), 14_000.0)) {
+            let t = roads.work.settings.class(r.street.class);
+            let line = &r.street.line;
+            for (id, height) in [(r.street.from, r.heights[0]), (r.street.to, r.heights[line.len() - 1])] {
+                assert_eq!(*at.entry(id).or_insert(height), height);
+            }
+            let rise = (r.heights[0] - r.heights[line.len() - 1]).abs();
+            if rise <= 0.9 * t.slope_limit * r.street.length() {
+                for (i, (a, b)) in segments(line).enumerate() {
+                    let grade = (r.heights[i + 1] - r.heights[i]).abs() / a.distance(b);
+                    steep += usize::from(grade > 1.02 * t.slope_limit);
+                }
+            }
+            let even = crate::space::resample(line, 20.0);
+            for w in even.windows(3) {
+                let (a, b, c) = (w[0].distance(w[1]), w[1].distance(w[2]), w[0].distance(w[2]));
+                let area = (w[1] - w[0]).perp_dot(w[2] - w[0]).abs();
+                points += 1;
+                sharp += usize::from(a * b * c < 0.9 * 2.0 * area * t.radius);
+            }
+        }
+        assert!(points > 5_000, "{points}");
+        assert_eq!(steep, 0);
+        // Where roads pass close to another or begin at a gate, some corners are sharper.
+        assert!(sharp * 200 < points, "{sharp} of {points}");
+    }
 }

@@ -1,0 +1,409 @@
+//! What a search for a course reads: the nodes of a corridor, what the edges between them cost, and where bridges and
+//! tunnels could run.
+//!
+//! Cost per metre is 1 on flat open ground, more by slope along the heading, vegetation and control terms (Galin 2011,
+//! section 4.1). Water is crossed on bridges only, straight along one heading, or on an edge whose ends are both dry.
+
+use super::TierSettings;
+use super::lattice::{DIRECTIONS, Ground, STENCIL, Samples, cost_per_metre, heading, node_at};
+use super::search::Window;
+use crate::layer::LayerError;
+use crate::space::{Bounds, distance_to_segment, segments, stable_hash};
+use crate::terrain::Terrain;
+use glam::{DVec2, I64Vec2};
+use std::collections::BTreeMap;
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+/// Height in metres that the ground falls below a bridge over dry land somewhere, and rises above a tunnel.
+const CLEARANCE: f64 = 8.0;
+/// Height in metres of ground that is dug away under a bridge or filled in above a tunnel.
+const SCRAPE: f64 = 2.0;
+/// Share of the steepest slope from which on a bridge or tunnel is tried instead.
+const DEAR: f64 = 0.7;
+/// Most bridges and tunnels that are tried from one node in one direction.
+const MOST_HOPS: usize = 3;
+/// Spacing in metres of the variation of the ground that the terrain does not know.
+const ROUGH_SPACING: i64 = 450;
+
+/// Nodes near a line.
+pub(super) struct Strip {
+    window: Window,
+    /// By index in the window.
+    slots: Vec<u32>,
+    /// Index in the window, by slot.
+    places: Vec<usize>,
+    /// What a step along each heading adds to an index.
+    shifts: [isize; DIRECTIONS],
+    /// Its nodes, by slot.
+    pub nodes: Vec<I64Vec2>,
+    /// Their distance from the line in metres.
+    pub off: Vec<f32>,
+}
+
+impl Strip {
+    /// Nodes of the lattice of spacing `step` within `width` of a line in plan metres.
+    pub fn around(line: &[DVec2], width: f64, step: i64) -> Self {
+        // Three nodes more on each side than edges of the stencil reach.
+        let bounds = Bounds::of(line.iter().copied()).grown(width + 3.0 * step as f64);
+        let window = Window::around(bounds, step);
+        let mut off = vec![f32::INFINITY; window.len()];
+        for (a, b) in segments(line) {
+            let part = Window::around(Bounds::of([a, b]).grown(width), step);
+            for i in 0..part.len() {
+                let node = part.node(i);
+                if window.contains(node) {
+                    let distance = distance_to_segment(node_at(node, step), a, b);
+                    if distance <= width {
+                        let held = &mut off[window.index(node)];
+                        *held = held.min(distance as f32);
+                    }
+                }
+            }
+        }
+        let inside: Vec<usize> = (0..window.len()).filter(|i| off[*i].is_finite()).collect();
+        let mut slots = vec![NONE; window.len()];
+        for (slot, i) in inside.iter().enumerate() {
+            slots[*i] = slot as u32;
+        }
+        let nodes = inside.iter().map(|i| window.node(*i)).collect();
+        let shifts = STENCIL.map(|s| (s.y * window.size.x + s.x) as isize);
+        Self { off: inside.iter().map(|i| off[*i]).collect(), window, slots, places: inside, shifts, nodes }
+    }
+
+    /// Slot of a node, if it is inside.
+    pub fn slot(&self, node: I64Vec2) -> Option<usize> {
+        let slot = if self.window.contains(node) { self.slots[self.window.index(node)] } else { NONE };
+        (slot != NONE).then_some(slot as usize)
+    }
+
+    fn next(&self, slot: usize, heading: usize) -> Option<usize> {
+        // The window is wider than a step on all sides.
+        let next = self.slots[self.places[slot].wrapping_add_signed(self.shifts[heading])];
+        (next != NONE).then_some(next as usize)
+    }
+}
+
+/// A bridge or tunnel with an edge of the ground before and after, all along one heading.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hop {
+    /// Slot where it ends.
+    pub last: usize,
+    /// Slot after the last edge.
+    pub to: usize,
+    /// Edges of the bridge or tunnel.
+    pub edges: usize,
+    pub tunnel: bool,
+    /// Cost of the bridge or tunnel alone.
+    pub cost: f32,
+}
+
+/// A bridge or tunnel of an existing road.
+struct Existing {
+    first: I64Vec2,
+    heading: usize,
+    edges: usize,
+    tunnel: bool,
+}
+
+/// The ground of one search.
+pub(super) struct Field<'a> {
+    pub strip: Strip,
+    t: &'a TierSettings,
+    step: i64,
+    terrain: &'a dyn Terrain,
+    samples: Samples<'a>,
+    grounds: Vec<Option<Ground>>,
+    lengths: [f64; DIRECTIONS],
+    /// Extra cost per metre of new road, by slot.
+    extra: Vec<f32>,
+    /// A bit per heading, by slot: edges that roads may not take, that existing roads take on the ground, and on bridges
+    /// or in tunnels.
+    closed: Vec<u16>,
+    existing: Vec<u16>,
+    spanned: Vec<u16>,
+    spans: Vec<Existing>,
+    /// Cost of edges from what their ends are, by slot and heading below 8; not a number if not asked yet.
+    rough: Vec<f32>,
+    /// The same with what lies between their ends.
+    exact: Vec<f32>,
+    tried: Vec<u16>,
+    hops: BTreeMap<(usize, usize), Vec<Hop>>,
+}
+
+impl<'a> Field<'a> {
+    /// Open ground for a class of roads. `samples` are of the lattice of spacing `step`.
+    pub fn new(
+        strip: Strip,
+        t: &'a TierSettings,
+        step: i64,
+        terrain: &'a dyn Terrain,
+        samples: impl FnOnce(&Window) -> Samples<'a>,
+    ) -> Self {
+        let count = strip.nodes.len();
+        Self {
+            t,
+            step,
+            terrain,
+            samples: samples(&strip.window),
+            lengths: STENCIL.map(|s| s.as_dvec2().length() * step as f64),
+            grounds: vec![None; count],
+            extra: vec![0.0; count],
+            closed: vec![0; count],
+            existing: vec![0; count],
+            spanned: vec![0; count],
+            spans: Vec::new(),
+            rough: vec![f32::NAN; count * DIRECTIONS / 2],
+            exact: vec![f32::NAN; count * DIRECTIONS / 2],
+            tried: vec![0; count],
+            hops: BTreeMap::new(),
+            strip,
+        }
+    }
+
+    /// Settings of the class of roads.
+    pub fn class(&self) -> &'a TierSettings {
+        self.t
+    }
+
+    /// Spacing of the nodes in metres.
+    pub fn step(&self) -> i64 {
+        self.step
+    }
+
+    /// Adds an extra cost per metre at each slot.
+    pub fn add(&mut self, cost: impl Fn(usize, I64Vec2) -> f64) {
+        for (slot, node) in self.strip.nodes.iter().enumerate() {
+            self.extra[slot] += cost(slot, *node) as f32;
+        }
+    }
+
+    /// Closes edges at a node, a bit per heading.
+    pub fn close(&mut self, node: I64Vec2, headings: u16) {
+        if let Some(slot) = self.strip.slot(node) {
+            self.closed[slot] |= headings;
+        }
+    }
+
+    /// Lays the edge between two nodes of an existing road, which costs no more than its length.
+    pub fn lay(&mut self, a: I64Vec2, b: I64Vec2, level: i8) {
+        let Some(h) = heading(a, b) else { return };
+        let held = if level == 0 { &mut self.existing } else { &mut self.spanned };
+        for (node, h) in [(a, h), (b, (h + 8) % 16)] {
+            if let Some(slot) = self.strip.slot(node) {
+                held[slot] |= 1 << h;
+            }
+        }
+    }
+
+    /// Names a bridge or tunnel of an existing road, whose edges are laid.
+    pub fn lay_span(&mut self, nodes: &[I64Vec2], tunnel: bool) {
+        let [first, second, ..] = *nodes else { return };
+        let (Some(h), Some(last)) = (heading(first, second), nodes.last()) else { return };
+        let edges = nodes.len() - 1;
+        self.spans.push(Existing { first, heading: h, edges, tunnel });
+        self.spans.push(Existing { first: *last, heading: (h + 8) % 16, edges, tunnel });
+    }
+
+    /// Whether a node is inside and not under water.
+    pub fn is_dry(&mut self, node: I64Vec2) -> Result<bool, LayerError> {
+        match self.strip.slot(node) {
+            Some(slot) => Ok(self.ground(slot)?.depth <= 0.0),
+            None => Ok(false),
+        }
+    }
+
+    fn ground(&mut self, slot: usize) -> Result<Ground, LayerError> {
+        if let Some(held) = self.grounds[slot] {
+            return Ok(held);
+        }
+        let ground = self.samples.at(self.strip.nodes[slot])?;
+        self.grounds[slot] = Some(ground);
+        Ok(ground)
+    }
+
+    /// Both ends of an edge, the same from either, and its index.
+    fn edge(&self, slot: usize, next: usize, heading: usize) -> ([usize; 2], usize, usize) {
+        if heading < 8 {
+            ([slot, next], heading, slot * 8 + heading)
+        } else {
+            ([next, slot], heading - 8, next * 8 + heading - 8)
+        }
+    }
+
+    /// Neighbour along a heading and a lower bound of the edge's cost, infinite where there is no way.
+    pub fn rough(&mut self, slot: usize, heading: usize) -> Result<Option<(usize, f32)>, LayerError> {
+        let Some(next) = self.strip.next(slot, heading) else { return Ok(None) };
+        let ([a, b], h, index) = self.edge(slot, next, heading);
+        if self.rough[index].is_nan() {
+            let (bit, back) = (1u16 << h, 1u16 << (h + 8));
+            let shut = (self.closed[a] | self.spanned[a]) & bit | (self.closed[b] | self.spanned[b]) & back;
+            let length = self.lengths[h];
+            self.rough[index] = if shut != 0 {
+                f32::INFINITY
+            } else if self.existing[a] & bit != 0 {
+                length as f32
+            } else {
+                let (ga, gb) = (self.ground(a)?, self.ground(b)?);
+                let dry = ga.depth <= 0.0 && gb.depth <= 0.0;
+                match cost_per_metre(ga, gb, length, self.t).filter(|_| dry) {
+                    Some(cost) => (length * (cost + f64::from(self.extra[a] + self.extra[b]) / 2.0)) as f32,
+                    None => f32::INFINITY,
+                }
+            };
+        }
+        Ok(Some((next, self.rough[index])))
+    }
+
+    /// The cost of an edge, infinite where there is no way.
+    pub fn exact(&mut self, slot: usize, heading: usize) -> Result<f32, LayerError> {
+        let Some((next, rough)) = self.rough(slot, heading)? else { return Ok(f32::INFINITY) };
+        let ([a, b], h, index) = self.edge(slot, next, heading);
+        if self.exact[index].is_nan() {
+            self.exact[index] = if rough.is_infinite() || self.existing[a] >> h & 1 == 1 {
+                rough
+            } else {
+                let (ga, gb) = (self.ground(a)?, self.ground(b)?);
+                let middle = self.between(a, h, 0.5);
+                let brook =
+                    if middle.depth > 0.0 { self.bridge(self.lengths[h] / 2.0, middle.depth.into()) } else { 0.0 };
+                let off = (middle.surface - (ga.surface + gb.surface) / 2.0).abs();
+                let fits = if middle.depth > 0.0 {
+                    // Wider than a step, it takes a bridge.
+                    let wide = self.lengths[h] > 1.5 * self.step as f64
+                        && self.between(a, h, 0.25).depth > 0.0
+                        && self.between(a, h, 0.75).depth > 0.0;
+                    !wide && f64::from(middle.depth) <= self.t.depth_limit
+                } else {
+                    f64::from(off) <= self.t.earthwork
+                };
+                if fits { rough + brook as f32 } else { f32::INFINITY }
+            };
+        }
+        Ok(self.exact[index])
+    }
+
+    /// The ground some edges along a heading.
+    fn between(&self, slot: usize, heading: usize, edges: f64) -> Ground {
+        let at = node_at(self.strip.nodes[slot], self.step) + node_at(STENCIL[heading], self.step) * edges;
+        Ground::of(&self.terrain.sample(at))
+    }
+
+    /// Extra cost of a bridge.
+    fn bridge(&self, length: f64, depth: f64) -> f64 {
+        self.t.bridge + length * self.t.water * (1.0 + depth / self.t.depth_limit.max(1e-3))
+    }
+
+    /// Whether the ground does not let the edge on, or is so steep that it is better left.
+    fn is_bad(&mut self, slot: usize, heading: usize) -> Result<bool, LayerError> {
+        let Some(next) = self.strip.next(slot, heading) else { return Ok(false) };
+        let (a, b) = (self.ground(slot)?, self.ground(next)?);
+        let slope = f64::from((a.surface - b.surface).abs()) / self.lengths[heading];
+        Ok(b.depth > 0.0 || slope > DEAR * self.t.slope_limit)
+    }
+
+    /// Bridges and tunnels that begin one edge along a heading.
+    pub fn hops(&mut self, slot: usize, heading: usize) -> Result<&[Hop], LayerError> {
+        if self.tried[slot] >> heading & 1 == 0 {
+            self.tried[slot] |= 1 << heading;
+            let found = self.find_hops(slot, heading)?;
+            if !found.is_empty() {
+                self.hops.insert((slot, heading), found);
+            }
+        }
+        Ok(self.hops.get(&(slot, heading)).map_or(&[], Vec::as_slice))
+    }
+
+    fn find_hops(&mut self, slot: usize, heading: usize) -> Result<Vec<Hop>, LayerError> {
+        let mut out = Vec::new();
+        let Some((first, cost)) = self.rough(slot, heading)? else { return Ok(out) };
+        if cost.is_infinite() || self.ground(first)?.depth > 0.0 {
+            return Ok(out);
+        }
+        let node = self.strip.nodes[first];
+        let length = self.lengths[heading];
+        for i in 0..self.spans.len() {
+            let Existing { first: at, heading: along, edges, tunnel } = self.spans[i];
+            let end = self.strip.slot(node + STENCIL[heading] * edges as i64);
+            if let (true, Some(last)) = (at == node && along == heading, end)
+                && let Some((to, after)) = self.rough(last, heading)?
+                && after.is_finite()
+            {
+                out.push(Hop { last, to, edges, tunnel, cost: (length * edges as f64) as f32 });
+            }
+        }
+        if !out.is_empty() || !self.is_bad(first, heading)? {
+            return Ok(out);
+        }
+        let most = self.t.bridge_limit.max(self.t.tunnel_limit);
+        let back = (heading + 8) % DIRECTIONS;
+        let mut last = first;
+        for edges in 1.. {
+            let Some(next) = self.strip.next(last, heading) else { break };
+            let taken =
+                |slot: usize, h: usize| (self.closed[slot] | self.existing[slot] | self.spanned[slot]) >> h & 1 == 1;
+            if edges as f64 * length > most || taken(last, heading) || taken(next, back) || out.len() >= MOST_HOPS {
+                break;
+            }
+            last = next;
+            if edges < 2 || self.ground(last)?.depth > 0.0 || !self.is_bad(last, back)? {
+                continue;
+            }
+            let Some((to, after)) = self.rough(last, heading)? else { break };
+            if after.is_finite()
+                && let Some((tunnel, cost)) = self.span(first, last, heading, edges)?
+            {
+                out.push(Hop { last, to, edges, tunnel, cost: cost as f32 });
+            }
+        }
+        Ok(out)
+    }
+
+    /// Whether a straight line between two dry nodes could be a bridge or a tunnel, and what it costs then.
+    fn span(&mut self, a: usize, b: usize, heading: usize, edges: usize) -> Result<Option<(bool, f64)>, LayerError> {
+        let length = edges as f64 * self.lengths[heading];
+        let ends = [self.ground(a)?, self.ground(b)?].map(|g| f64::from(g.surface));
+        let grade = (ends[1] - ends[0]).abs() / length;
+        if grade > self.t.slope_limit {
+            return Ok(None);
+        }
+        let (mut bridge, mut tunnel) = (length <= self.t.bridge_limit, length <= self.t.tunnel_limit);
+        let (mut depth, mut below, mut above) = (0f64, 0f64, 0f64);
+        // First the nodes, whose samples are at hand; then, if they leave it open, the points between them.
+        for halves in (2..2 * edges).step_by(2).chain((1..2 * edges).step_by(2)) {
+            let part = halves as f64 / 2.0;
+            let node = self.strip.nodes[a] + STENCIL[heading] * (halves / 2) as i64;
+            let ground = if halves % 2 == 0 { self.samples.at(node)? } else { self.between(a, heading, part) };
+            let deck = ends[0] + (ends[1] - ends[0]) * part / edges as f64;
+            let rise = f64::from(ground.surface) - deck;
+            depth = depth.max(ground.depth.into());
+            (below, above) = (below.max(-rise), above.max(rise));
+            bridge &= rise <= SCRAPE && depth <= self.t.depth_limit;
+            tunnel &= rise >= -SCRAPE && depth <= 0.0;
+            if !bridge && !tunnel {
+                return Ok(None);
+            }
+        }
+        let steep = grade / self.t.slope_limit;
+        let ends = f64::from(self.extra[a] + self.extra[b]) / 2.0;
+        let plain = length * (1.0 + ends + self.t.slope * steep * steep);
+        if bridge && (depth > 0.0 || below >= CLEARANCE) {
+            return Ok(Some((false, plain + self.bridge(length, depth))));
+        }
+        let dug = tunnel && above >= CLEARANCE;
+        Ok(dug.then_some((true, plain + self.t.tunnel + length * self.t.tunnel_metre)))
+    }
+}
+
+/// Variation of the ground between 0 and 1, the same for all classes of roads, at a node.
+pub(super) fn roughness(node: I64Vec2, step: i64) -> f64 {
+    let spacing = I64Vec2::splat(ROUGH_SPACING);
+    let cell = (node * step).div_euclid(spacing);
+    let part = (node * step - cell * spacing).as_dvec2() / ROUGH_SPACING as f64;
+    let at = |x: i64, y: i64| {
+        let word = stable_hash(&[0x0072_6f75_6768, (cell.x + x) as u64, (cell.y + y) as u64]);
+        (word >> 40) as f64 / (1u64 << 24) as f64
+    };
+    let mix = crate::space::math::mix;
+    mix(mix(at(0, 0), at(1, 0), part.x), mix(at(0, 1), at(1, 1), part.x), part.y)
+}

@@ -1,0 +1,344 @@
+//! Geodesics: cheapest ways on the lattice with position and heading in the state, so that bends cost and bridges and
+//! tunnels are straight (Galin 2011, section 4.1, after Galin 2010).
+//!
+//! A first search backwards over nodes alone, without bends, bounds from below what is left to pay from each of them; with
+//! these bounds, A* over nodes and headings looks at little more than the way it finds.
+
+use super::course::Span;
+use super::field::{Field, Hop};
+use super::lattice::{DIRECTIONS, STENCIL, bends, corner_radius};
+use crate::layer::{Cancel, LayerError};
+use crate::space::math::angle_between;
+use glam::{DVec2, I64Vec2};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
+/// States of a node: one per heading, and one at a start.
+const STATES: usize = DIRECTIONS + 1;
+/// Cost in metres of a bend at a gate that is sharper than the class allows elsewhere.
+const SHARP: f64 = 400.0;
+/// Bounds are found as far as this share beyond the cheapest way without bends, and these metres.
+const BEYOND: (f32, f32) = (1.15, 500.0);
+
+/// Where a way may begin or end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop {
+    pub node: I64Vec2,
+    /// Cost of what lies beyond it.
+    pub cost: f64,
+    /// The road that goes on from there, in metres, zero if there is none.
+    pub beyond: DVec2,
+}
+
+/// A way found.
+#[derive(Clone, Debug)]
+pub(super) struct Geodesic {
+    pub cost: f64,
+    pub nodes: Vec<I64Vec2>,
+    pub spans: Vec<Span>,
+    /// Index of the stop where it begins.
+    pub from: usize,
+    /// Index of the stop where it ends.
+    pub to: usize,
+}
+
+/// A key of the queue: costs are not negative, so their bits sort like they do; equal ones by state.
+fn queued(cost: f32, state: usize) -> Reverse<u64> {
+    Reverse(u64::from(cost.to_bits()) << 32 | state as u64)
+}
+
+fn unqueued(key: u64) -> (f32, usize) {
+    (f32::from_bits((key >> 32) as u32), (key & 0xffff_ffff) as usize)
+}
+
+/// How a state was reached: heading before, edges of a bridge or tunnel (0 for a plain edge), and which of both.
+#[derive(Clone, Copy)]
+struct Move {
+    before: u8,
+    edges: u8,
+    tunnel: bool,
+}
+
+/// Cost of the bend between a heading and the road beyond a stop.
+fn bend_beyond(field: &Field, stop: &Stop, heading: usize, arriving: bool) -> f32 {
+    if stop.beyond == DVec2::ZERO {
+        return 0.0;
+    }
+    let t = field.class();
+    let way = if arriving { STENCIL[heading].as_dvec2() } else { -STENCIL[heading].as_dvec2() };
+    let headings = angle_between(way, stop.beyond) / (TAU / DIRECTIONS as f64);
+    // A settlement has few gates: a sharp corner at one is dear, but better than no road.
+    let sharp = corner_radius(way * field.step() as f64, stop.beyond) < t.radius;
+    (t.turn * headings * headings + if sharp { SHARP } else { 0.0 }) as f32
+}
+
+/// The cheapest way from one of `from` to one of `to`.
+pub(super) fn geodesic(
+    field: &mut Field,
+    from: &[Stop],
+    to: &[Stop],
+    cancel: &Cancel,
+) -> Result<Option<Geodesic>, LayerError> {
+    let Some(rest) = bounds(field, from, to, cancel)? else { return Ok(None) };
+    forward(field, from, to, &rest, cancel)
+}
+
+/// Lower bounds of the cost from each slot to an end; `None` if no start is joined to one.
+fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Result<Option<Vec<f32>>, LayerError> {
+    let count = field.strip.nodes.len();
+    let mut rest = vec![f32::INFINITY; count];
+    let mut done = vec![false; count];
+    let mut start = vec![f32::INFINITY; count];
+    for stop in from {
+        if let Some(slot) = field.strip.slot(stop.node) {
+            start[slot] = start[slot].min(stop.cost as f32);
+        }
+    }
+    let mut open = BinaryHeap::new();
+    for stop in to {
+        if let Some(slot) = field.strip.slot(stop.node).filter(|s| rest[*s] > stop.cost as f32) {
+            rest[slot] = stop.cost as f32;
+            open.push(queued(rest[slot], slot));
+        }
+    }
+    let (mut best, mut reached) = (f32::INFINITY, f32::INFINITY);
+    let mut popped = 0u32;
+    let mut hops: Vec<Hop> = Vec::new();
+    while let Some(Reverse(key)) = open.pop() {
+        let (cost, slot) = unqueued(key);
+        if done[slot] {
+            continue;
+        }
+        if cost > best * BEYOND.0 + BEYOND.1 {
+            reached = cost;
+            break;
+        }
+        done[slot] = true;
+        best = best.min(cost + start[slot]);
+        popped += 1;
+        if popped.is_multiple_of(4096) {
+            cancel.check()?;
+        }
+        for heading in 0..DIRECTIONS {
+            let Some((next, edge)) = field.rough(slot, heading)? else { continue };
+            if cost + edge < rest[next] {
+                rest[next] = cost + edge;
+                open.push(queued(rest[next], next));
+            }
+            if edge.is_infinite() {
+                continue;
+            }
+            hops.clear();
+            hops.extend(field.hops(slot, heading)?);
+            for hop in &hops {
+                let after = field.rough(hop.last, heading)?.map_or(f32::INFINITY, |e| e.1);
+                let whole = cost + edge + hop.cost + after;
+                if whole < rest[hop.to] {
+                    rest[hop.to] = whole;
+                    open.push(queued(whole, hop.to));
+                }
+            }
+        }
+    }
+    for (cost, done) in rest.iter_mut().zip(done) {
+        if !done {
+            *cost = reached;
+        }
+    }
+    Ok(best.is_finite().then_some(rest))
+}
+
+/// A* over nodes and headings. `rest` bounds from below what is left to pay from each slot.
+fn forward(
+    field: &mut Field,
+    from: &[Stop],
+    to: &[Stop],
+    rest: &[f32],
+    cancel: &Cancel,
+) -> Result<Option<Geodesic>, LayerError> {
+    let t = field.class();
+    let turns = bends(t, field.step());
+    let count = field.strip.nodes.len();
+    let mut costs = vec![f32::INFINITY; count * STATES];
+    let mut moves = vec![Move { before: DIRECTIONS as u8, edges: 0, tunnel: false }; count * STATES];
+    let mut done = vec![0u32; count];
+    let mut ends = vec![false; count];
+    for stop in to {
+        if let Some(slot) = field.strip.slot(stop.node) {
+            ends[slot] = true;
+        }
+    }
+    let mut open = BinaryHeap::new();
+    for stop in from {
+        let Some(slot) = field.strip.slot(stop.node) else { continue };
+        let state = slot * STATES + DIRECTIONS;
+        if (stop.cost as f32) < costs[state] && rest[slot].is_finite() {
+            costs[state] = stop.cost as f32;
+            open.push(queued(costs[state] + rest[slot], state));
+        }
+    }
+    let mut best: Option<(f32, usize, usize)> = None;
+    let mut popped = 0u32;
+    let mut hops: Vec<Hop> = Vec::new();
+    let mut ahead: Vec<(usize, f32)> = Vec::new();
+    while let Some(Reverse(key)) = open.pop() {
+        let (all, state) = unqueued(key);
+        if best.is_some_and(|b| all >= b.0) {
+            break;
+        }
+        let (slot, heading) = (state / STATES, state % STATES);
+        if done[slot] >> heading & 1 == 1 {
+            continue;
+        }
+        done[slot] |= 1 << heading;
+        popped += 1;
+        if popped.is_multiple_of(4096) {
+            cancel.check()?;
+        }
+        let here = costs[state];
+        let node = field.strip.nodes[slot];
+        if ends[slot] {
+            for (i, stop) in to.iter().enumerate().filter(|(_, s)| s.node == node) {
+                let bend = if heading < DIRECTIONS { bend_beyond(field, stop, heading, true) } else { 0.0 };
+                let whole = here + stop.cost as f32 + bend;
+                if best.is_none_or(|b| whole < b.0) {
+                    best = Some((whole, state, i));
+                }
+            }
+        }
+        ahead.clear();
+        if heading < DIRECTIONS {
+            ahead.extend(&turns[heading]);
+        } else {
+            let start = from.iter().filter(|s| s.node == node).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            ahead.extend((0..DIRECTIONS).map(|h| (h, start.map_or(0.0, |s| bend_beyond(field, s, h, false)))));
+        }
+        for (along, bend) in &ahead {
+            let cost = here + bend;
+            let mut reach = |to: usize, cost: f32, step: Move| {
+                let state = to * STATES + along;
+                if cost < costs[state] && rest[to].is_finite() {
+                    costs[state] = cost;
+                    moves[state] = step;
+                    open.push(queued(cost + rest[to], state));
+                    true
+                } else {
+                    false
+                }
+            };
+            let before = heading as u8;
+            let Some((next, rough)) = field.rough(slot, *along)? else { continue };
+            if rough.is_infinite() {
+                continue;
+            }
+            let edge = field.exact(slot, *along)?;
+            reach(next, cost + edge, Move { before, edges: 0, tunnel: false });
+            hops.clear();
+            hops.extend(field.hops(slot, *along)?);
+            for hop in &hops {
+                let whole = cost + edge + hop.cost + field.exact(hop.last, *along)?;
+                reach(hop.to, whole, Move { before, edges: hop.edges as u8, tunnel: hop.tunnel });
+            }
+        }
+    }
+    let Some((cost, mut state, to)) = best else { return Ok(None) };
+    // Back to the start, then along the way again.
+    let mut steps: Vec<(usize, Move)> = Vec::new();
+    let mut node = field.strip.nodes[state / STATES];
+    while state % STATES < DIRECTIONS {
+        let (along, step) = (state % STATES, moves[state]);
+        let edges = if step.edges == 0 { 1 } else { i64::from(step.edges) + 2 };
+        node -= STENCIL[along] * edges;
+        steps.push((along, step));
+        let Some(slot) = field.strip.slot(node) else { return Ok(None) };
+        state = slot * STATES + usize::from(step.before);
+    }
+    let start = node;
+    let (mut nodes, mut spans) = (vec![start], Vec::new());
+    for (along, step) in steps.iter().rev() {
+        let edges = if step.edges == 0 { 1 } else { usize::from(step.edges) + 2 };
+        if step.edges > 0 {
+            let first = nodes.len();
+            spans.push(Span { first, last: first + usize::from(step.edges), tunnel: step.tunnel });
+        }
+        for _ in 0..edges {
+            node += STENCIL[*along];
+            nodes.push(node);
+        }
+    }
+    let starts = from.iter().enumerate().filter(|(_, s)| s.node == start);
+    let from = starts.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).map_or(0, |s| s.0);
+    Ok(Some(Geodesic { cost: cost.into(), nodes, spans, from, to }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::field::Strip;
+    use super::super::lattice::{Samples, node_at};
+    use super::super::{RoadSettings, TierSettings};
+    use super::*;
+    use crate::layer::LayerCache;
+    use crate::terrain::{Terrain, TerrainSample};
+
+    const STEP: i64 = 128;
+
+    /// Level ground with a river or a ridge across, as wide as given, or a gap in it.
+    struct Across {
+        river: f64,
+        ridge: f64,
+        gap: bool,
+    }
+
+    impl Terrain for Across {
+        fn sample(&self, p: DVec2) -> TerrainSample {
+            let off = (p.x - 2_500.0).abs();
+            let there = !(self.gap && p.y > 1_500.0);
+            let wet = there && off < self.river / 2.0;
+            let rise = if there { (self.ridge / 2.0 - off).max(0.0) } else { 0.0 };
+            TerrainSample { height: if wet { 4.0 } else { 10.0 + rise }, water_level: 8.0, vegetation: 0.0 }
+        }
+    }
+
+    fn way(terrain: &Across, t: &TierSettings) -> Option<Geodesic> {
+        let cache = LayerCache::new(1 << 24);
+        let ends = [I64Vec2::new(0, 0), I64Vec2::new(40, 3)];
+        let strip = Strip::around(&ends.map(|n| node_at(n, STEP)), 2_500.0, STEP);
+        let mut field = Field::new(strip, t, STEP, terrain, |w| Samples::new(&cache, terrain, STEP, w));
+        let [from, to] = ends.map(|node| [Stop { node, cost: 0.0, beyond: DVec2::ZERO }]);
+        let found = geodesic(&mut field, &from, &to, &Cancel::new()).unwrap();
+        if let Some(g) = &found {
+            assert_eq!((g.nodes[0], g.nodes[g.nodes.len() - 1]), (ends[0], ends[1]));
+            for (i, n) in g.nodes.windows(3).enumerate() {
+                let (a, b) = ((n[1] - n[0]).as_dvec2(), (n[2] - n[1]).as_dvec2());
+                assert!(corner_radius(a, b) * STEP as f64 >= t.radius);
+                // A span is straight, and so are the edges before and after.
+                assert!(a == b || !g.spans.iter().any(|s| (s.first..=s.last).contains(&(i + 1))));
+            }
+            for (i, n) in g.nodes.iter().enumerate() {
+                let inside = g.spans.iter().any(|s| s.first < i && i < s.last && !s.tunnel);
+                assert!(inside || terrain.sample(node_at(*n, STEP)).depth() == 0.0, "{n} is wet");
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn water_is_crossed_on_bridges_and_ridges_in_tunnels_or_not_at_all() {
+        let highway = RoadSettings::default().highway;
+        let plain = way(&Across { river: 0.0, ridge: 0.0, gap: false }, &highway).unwrap();
+        assert!(plain.spans.is_empty());
+        let river = way(&Across { river: 500.0, ridge: 0.0, gap: false }, &highway).unwrap();
+        assert!(river.spans.len() == 1 && !river.spans[0].tunnel);
+        assert!(river.cost > plain.cost + highway.bridge + 500.0 * highway.water);
+        let ridge = way(&Across { river: 0.0, ridge: 700.0, gap: false }, &highway).unwrap();
+        assert!(ridge.spans.len() == 1 && ridge.spans[0].tunnel);
+        // Too wide for the class, unless there is a way around.
+        let minor = RoadSettings::default().minor;
+        for (river, ridge) in [(900.0, 0.0), (0.0, 900.0)] {
+            assert!(way(&Across { river, ridge, gap: false }, &minor).is_none());
+            let around = way(&Across { river, ridge, gap: true }, &minor).unwrap();
+            assert!(around.spans.is_empty() && around.cost > plain.cost);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Costs of geodesics against a search of everything.
+
+use super::super::field::{Field, Strip};
+use super::super::lattice::{DIRECTIONS, bends, node_near, stencil_distance};
+use super::super::pairs::{beeline, distance, open_ground, tier_of};
+use super::*;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Dijkstra's search over all nodes and headings of a field, from one node to another.
+fn brute_force(field: &mut Field, from: I64Vec2, to: I64Vec2) -> f64 {
+    let turns = bends(field.class(), field.step());
+    let (from, to) = (field.strip.slot(from).unwrap(), field.strip.slot(to).unwrap());
+    let mut costs = vec![f64::INFINITY; field.strip.nodes.len() * DIRECTIONS];
+    let mut open = BinaryHeap::new();
+    open.push(Reverse((0u64, from, DIRECTIONS)));
+    while let Some(Reverse((bits, slot, heading))) = open.pop() {
+        let here = f64::from_bits(bits);
+        if slot == to {
+            return here;
+        }
+        if heading < DIRECTIONS && here > costs[slot * DIRECTIONS + heading] {
+            continue;
+        }
+        let any: Vec<(usize, f32)> = (0..DIRECTIONS).map(|h| (h, 0.0)).collect();
+        for (along, bend) in if heading < DIRECTIONS { &turns[heading] } else { &any } {
+            let edge = f64::from(field.exact(slot, *along).unwrap());
+            let Some((next, _)) = field.rough(slot, *along).unwrap() else { continue };
+            let mut reached = vec![(next, edge)];
+            for hop in field.hops(slot, *along).unwrap().to_vec() {
+                reached.push((hop.to, edge + f64::from(hop.cost + field.exact(hop.last, *along).unwrap())));
+            }
+            for (next, more) in reached {
+                let (cost, state) = (here + f64::from(*bend) + more, next * DIRECTIONS + along);
+                if cost < costs[state] {
+                    costs[state] = cost;
+                    open.push(Reverse((cost.to_bits(), next, *along)));
+                }
+            }
+        }
+    }
+    f64::INFINITY
+}
+
+#[test]
+fn distances_are_within_a_percent_of_a_search_of_everything() {
+    let roads = roads(21, false, &RoadSettings::default());
+    let work = &roads.work;
+    let step = work.settings.step;
+    let mut compared = 0;
+    for (tier, size) in [(SizeClass::Town, 14_000.0), (SizeClass::Village, 9_000.0)] {
+        let bounds = Bounds::square(DVec2::new(7_000.0, -4_000.0), size);
+        let all = work.places.of_tier(bounds, tier).unwrap();
+        let t = work.settings.tier(tier);
+        for (i, a) in all.iter().enumerate() {
+            for b in all[i + 1..].iter().filter(|b| tier_of(a, b) == tier && beeline(a, b) <= t.reach).step_by(3) {
+                let wet =
+                    |s: &Settlement| work.terrain.sample(node_at(node_near(s.centre.plan(), step), step)).depth() > 0.0;
+                if wet(a) || wet(b) {
+                    continue;
+                }
+                let found = distance(work, tier, a, b, &Cancel::new()).unwrap();
+                let corner = bounds.grown(4_000.0);
+                let strip = Strip::around(&[corner.min, corner.max], corner.size().length(), step);
+                let mut field = open_ground(work, tier, [a, b], strip).unwrap();
+                let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
+                let line = stencil_distance(to - from) * step as f64;
+                let best = brute_force(&mut field, from, to) * beeline(a, b) / line;
+                if found.is_infinite() {
+                    // Not without a detour that the class refuses.
+                    assert!(best > 0.9 * t.detour * beeline(a, b), "{best}");
+                    continue;
+                }
+                assert!((1.0 - 1e-4..1.01).contains(&(found / best)), "{tier:?} {found} {best}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 10, "{compared}");
+}
