@@ -4,7 +4,7 @@
 //! small denominators: the graph is exact, with whole numbers for coordinates.
 
 use super::Work;
-use super::course::courses;
+use super::course::{Course, courses};
 use super::lattice::{STENCIL, heading, node_at};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{JunctionId, StreetClass};
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// of 1/2, 1/3, 1/4 and 1/5.
 const PARTS: i64 = 60;
 /// Edge length of a tile, in steps of the lattice.
-pub(super) const TILE_STEPS: i64 = 16;
+pub(super) const TILE_STEPS: i64 = 8;
 /// How far around its tile a graph reads courses, in steps: an edge reaches two steps out of the tile, and so does each
 /// edge that crosses it there.
 const PADDING_STEPS: i64 = 5;
@@ -93,7 +93,8 @@ impl Key {
         JunctionId::of(&self.words())
     }
 
-    fn place(self, step: i64) -> Place {
+    /// Where the vertex lies; that of a gate is known to its settlement only, and this is the corner of its cell.
+    pub fn place(self, step: i64) -> Place {
         let cell = self.cell();
         let parts = match self {
             Self::At { x, y } => I64Vec2::new(x, y) - cell * PARTS,
@@ -104,12 +105,29 @@ impl Key {
     }
 }
 
+/// What decides which of two roads stays where they are merged: the lesser rank. First the class, then the cost of the
+/// course, then its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Rank {
+    pub class: StreetClass,
+    /// Bits of the cost, which is not negative.
+    cost: u64,
+    course: u64,
+}
+
+impl Rank {
+    fn of(course: &Course) -> Self {
+        Self { class: course.class, cost: course.cost.to_bits(), course: course.id.0 }
+    }
+}
+
 /// A way from a vertex to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub to: Key,
     pub place: Place,
-    pub class: StreetClass,
+    /// That of the first of the courses that take this way.
+    pub rank: Rank,
 }
 
 /// A vertex of the graph.
@@ -118,6 +136,13 @@ pub(super) struct Vertex {
     pub place: Place,
     /// Ways that leave it, by where they lead.
     pub ways: Vec<Way>,
+}
+
+impl Vertex {
+    /// Whether a line of one class goes on here: whether this is no junction.
+    pub fn goes_on(&self) -> bool {
+        matches!(self.ways.as_slice(), [a, b] if a.rank.class == b.rank.class)
+    }
 }
 
 /// Vertices in one tile, with all their ways.
@@ -136,7 +161,7 @@ impl Weigh for Graph {
 struct Edge {
     a: I64Vec2,
     b: I64Vec2,
-    class: StreetClass,
+    rank: Rank,
 }
 
 /// Box of a tile in plan metres.
@@ -153,10 +178,11 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
     let own = tile_bounds(tile, step);
     let padding = (PADDING_STEPS * step) as f64;
     let read = Reach::new("roads", own, padding).check(own.grown(padding))?;
-    let mut edges: BTreeMap<([i64; 2], usize), StreetClass> = BTreeMap::new();
+    let mut edges: BTreeMap<([i64; 2], usize), Rank> = BTreeMap::new();
     let mut out = Graph::default();
     for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
         for course in courses(work, tier, read, cancel)? {
+            let rank = Rank::of(&course);
             for pair in course.nodes.windows(2) {
                 let (a, b) = (pair[0] - corner, pair[1] - corner);
                 let out_of = |v: I64Vec2| {
@@ -167,8 +193,7 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                     continue;
                 }
                 let (from, h) = if h < 8 { (a, h) } else { (b, h - 8) };
-                // Wider classes come first, and stay.
-                edges.entry((from.to_array(), h)).or_insert(course.class);
+                edges.entry((from.to_array(), h)).and_modify(|r| *r = rank.min(*r)).or_insert(rank);
             }
             for (end, node) in [(&course.ends[0], course.nodes.first()), (&course.ends[1], course.nodes.last())] {
                 let Some(node) = node else { continue };
@@ -180,34 +205,34 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                 let place = Place { origin, offset: end.centre.offset_to(origin) + end.gate };
                 let node = Key::node(*node);
                 let node_place = node.place(step);
-                join(&mut out, tile, (gate, place), (node, node_place), course.class);
+                join(&mut out, tile, (gate, place), (node, node_place), rank);
             }
         }
     }
     let edges: Vec<Edge> = edges
         .into_iter()
-        .map(|((a, h), class)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], class })
+        .map(|((a, h), rank)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], rank })
         .collect();
     for (e, points) in edges.iter().zip(crossings(&edges)) {
         let keys: Vec<Key> =
             points.into_iter().map(|p| p + corner * PARTS).map(|p| Key::At { x: p.x, y: p.y }).collect();
         for pair in keys.windows(2) {
-            join(&mut out, tile, (pair[0], pair[0].place(step)), (pair[1], pair[1].place(step)), e.class);
+            join(&mut out, tile, (pair[0], pair[0].place(step)), (pair[1], pair[1].place(step)), e.rank);
         }
     }
     Ok(out)
 }
 
 /// Adds a way in both directions, as far as its ends lie in the tile.
-fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), class: StreetClass) {
+pub(super) fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), rank: Rank) {
     for ((key, place), (to, there)) in [(a, b), (b, a)] {
         if key.tile() != tile {
             continue;
         }
         let vertex = out.vertices.entry(key).or_insert_with(|| Vertex { place, ways: Vec::new() });
         match vertex.ways.binary_search_by_key(&to, |w| w.to) {
-            Ok(i) => vertex.ways[i].class = vertex.ways[i].class.min(class),
-            Err(i) => vertex.ways.insert(i, Way { to, place: there, class }),
+            Ok(i) => vertex.ways[i].rank = vertex.ways[i].rank.min(rank),
+            Err(i) => vertex.ways.insert(i, Way { to, place: there, rank }),
         }
     }
 }
@@ -257,10 +282,10 @@ mod tests {
             for s in STENCIL {
                 for x in -2..=2 {
                     for y in -2..=2 {
-                        let class = StreetClass::Minor;
-                        let e = Edge { a: I64Vec2::ZERO, b: r, class };
+                        let rank = Rank { class: StreetClass::Minor, cost: 0, course: 0 };
+                        let e = Edge { a: I64Vec2::ZERO, b: r, rank };
                         let a = I64Vec2::new(x, y);
-                        let f = Edge { a, b: a + s, class };
+                        let f = Edge { a, b: a + s, rank };
                         if let Some(p) = crossing(&e, &f) {
                             count += 1;
                             assert_eq!((p.perp_dot(r), (p - a * PARTS).perp_dot(s)), (0, 0));

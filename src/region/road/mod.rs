@@ -32,6 +32,7 @@
 mod course;
 mod graph;
 mod lattice;
+mod merge;
 mod pairs;
 mod piece;
 mod places;
@@ -115,6 +116,7 @@ struct Work {
     courses: LayerCache<(SettlementId, SettlementId), course::Found>,
     listed: LayerCache<(u8, i64, i64), course::Listed>,
     graphs: LayerCache<[i64; 2], graph::Graph>,
+    merged: LayerCache<[i64; 2], graph::Graph>,
     shapes: LayerCache<[i64; 2], shape::Shapes>,
     along: LayerCache<[graph::Key; 2], piece::Pieces>,
     tiles: LayerCache<[i64; 2], piece::Pieces>,
@@ -129,6 +131,11 @@ fn class_of(tier: SizeClass) -> StreetClass {
     }
 }
 
+/// The tiles up to `ring` columns and rows from one.
+fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
+    (-ring..=ring).flat_map(move |y| (-ring..=ring).map(move |x| tile + I64Vec2::new(x, y)))
+}
+
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
         let share = |parts: usize| bytes / 32 * parts;
@@ -136,13 +143,14 @@ impl Work {
             settings: settings.clone(),
             terrain,
             places,
-            samples: LayerCache::new(share(8)),
+            samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
             candidates: LayerCache::new(share(1)),
             sites: LayerCache::new(share(4)),
             courses: LayerCache::new(share(3)),
             listed: LayerCache::new(share(3)),
             graphs: LayerCache::new(share(3)),
+            merged: LayerCache::new(share(2)),
             shapes: LayerCache::new(share(2)),
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
@@ -163,14 +171,13 @@ impl Work {
 
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
-            let mut graphs = Vec::new();
-            for y in -1..=1 {
-                for x in -1..=1 {
-                    graphs.push(self.graph(tile + I64Vec2::new(x, y), cancel)?);
-                }
-            }
-            shape::shapes(self, tile, &graphs, cancel)
+            let around = around(tile, shape::RING).map(|t| self.merged(t, cancel));
+            shape::shapes(self, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
         })
+    }
+
+    fn merged(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.merged.get(&tile.to_array(), || merge::merged(self, tile, cancel))
     }
 
     fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {

@@ -1,6 +1,7 @@
 //! What holds of roads as a whole.
 
 mod ground;
+mod merging;
 
 use super::lattice::node_at;
 use super::*;
