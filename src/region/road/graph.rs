@@ -209,10 +209,8 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
             }
         }
     }
-    let edges: Vec<Edge> = edges
-        .into_iter()
-        .map(|((a, h), rank)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], rank })
-        .collect();
+    let edges: Vec<Edge> =
+        edges.into_iter().map(|((a, h), rank)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], rank }).collect();
     for (e, points) in edges.iter().zip(crossings(&edges)) {
         let keys: Vec<Key> =
             points.into_iter().map(|p| p + corner * PARTS).map(|p| Key::At { x: p.x, y: p.y }).collect();

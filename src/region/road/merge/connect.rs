@@ -2,7 +2,7 @@
 
 use super::super::graph::{Graph, Key, Place, Rank, join};
 use super::longest_connector;
-use super::rules::Rules;
+use super::rules::{Rules, SHARP};
 use crate::layer::LayerError;
 use crate::space::math::angle_between;
 use crate::space::{Bounds, orient};
@@ -12,6 +12,8 @@ use glam::{DVec2, I64Vec2};
 const ON_IT: f64 = 10.0;
 /// Angle in radians at which a connector had better meet the other road.
 const BLUNT: f64 = 0.8;
+/// What it weighs, against a bend of a radian squared, when it meets it at a sharp angle.
+const TOO_SHARP: f64 = 0.7;
 /// What a metre of a connector weighs against a bend of a radian squared.
 const PER_METRE: f64 = 0.0003;
 /// What crossing a road that will hardly stay weighs.
@@ -124,7 +126,10 @@ fn score(rules: &Rules, v: usize, w: usize, outward: &[DVec2], rank: Rank) -> f6
     let beside = outward.iter().map(|u| angle_between(*u, by)).fold(f64::INFINITY, f64::min);
     let ways = rules.net.nodes[w].ways.iter().filter(|e| rules.net.edges[**e].rank < rank);
     let met = ways.map(|e| angle_between(-by, rules.net.step(w, rules.net.far(*e, w)))).fold(f64::INFINITY, f64::min);
-    let sharp = |angle: f64| (BLUNT - angle).max(0.0) * (BLUNT - angle).max(0.0);
+    let sharp = |angle: f64| {
+        let lacks = (BLUNT - angle).max(0.0);
+        lacks * lacks + if angle < SHARP { TOO_SHARP } else { 0.0 }
+    };
     bend * bend + 3.0 * (sharp(met) + sharp(beside)) + PER_METRE * by.length()
 }
 
@@ -132,6 +137,7 @@ fn score(rules: &Rules, v: usize, w: usize, outward: &[DVec2], rank: Rank) -> f6
 /// `None` where it crosses another or comes too near a vertex.
 fn crossings(rules: &mut Rules, v: usize, w: usize) -> Result<Option<usize>, LayerError> {
     let box_of = Bounds::of([rules.net.nodes[v].at, rules.net.nodes[w].at]);
+    let longest = longest_connector(&rules.work.settings);
     let mut count = 0;
     for e in rules.net.edges_in(box_of.grown(ON_IT))? {
         let ends = rules.net.edges[e].ends;
@@ -144,8 +150,10 @@ fn crossings(rules: &mut Rules, v: usize, w: usize) -> Result<Option<usize>, Lay
             }
         }
         if !ends.contains(&v) && !ends.contains(&w) && crosses(rules, [v, w], ends) {
-            if !(rules.is_second(ends[0])? && rules.is_second(ends[1])?) {
-                return Ok(None);
+            for n in ends {
+                if rules.net.apart(v, n) > longest || !rules.is_second(n)? {
+                    return Ok(None);
+                }
             }
             count += 1;
         }

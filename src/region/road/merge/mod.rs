@@ -39,7 +39,7 @@ const EDGE_STEPS: f64 = 2.237;
 
 /// Greatest length of a connector in metres.
 fn longest_connector(settings: &RoadSettings) -> f64 {
-    settings.merge + 0.4 * settings.step as f64
+    settings.merge + 0.56 * settings.step as f64
 }
 
 /// Greatest length of a rung in metres: vertices of a road within the merge distance lie up to half an edge further along.
@@ -55,7 +55,7 @@ fn padding(settings: &RoadSettings) -> f64 {
     let (edge, connector) = (EDGE_STEPS * step, longest_connector(settings));
     let beside = WATCHED_STEPS * step + settings.merge;
     let goes = edge + longest_rung(settings) + beside;
-    2.0 * connector + goes.max(connector + edge + beside)
+    2.0 * connector + goes.max(connector + beside)
 }
 
 /// The graph of one tile after merging.

@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 /// Ways that part at a smaller angle, in radians, part further out.
 pub(super) const SHARP: f64 = 0.55;
 /// Length in steps over which a course must run beside others if it does not touch them.
-const LEAST_STEPS: f64 = 3.5;
+const LEAST_STEPS: f64 = 3.0;
 /// Sine of the angle at which a course heads away.
-const AWAY: f64 = 0.57;
+const AWAY: f64 = 0.65;
 /// Rungs that are tried for a vertex, nearest first.
 const MOST_TRIED: usize = 4;
 /// Metres between samples of the ground under a rung.
