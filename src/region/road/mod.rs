@@ -11,10 +11,11 @@
 //!    around its outline.
 //! 3. `course`: the course of a kept pair on the fine lattice, within a corridor around its way. Courses of lower classes
 //!    read those of higher classes in their window, never of their own, so no order among equals matters.
-//! 4. `graph`: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
-//! 5. `shape`: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 16 steps
-//!    around.
-//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
+//! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
+//! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
+//!    outlines about 2 km around the tile with the default settings.
+//! 6. `shape`: smoothing, in the same tiles. Reads the merged graphs two tiles around, and outlines 16 steps around.
+//! 7. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges.
 //!
 //! # Padding
 //!
@@ -26,8 +27,9 @@
 //! # What holds
 //!
 //! Roads meet only at junctions: courses meet only at nodes and crossings of the lattice, which are vertices of the graph,
-//! and smoothing moves a line only where nothing is near. Roads touch an outline only in their gate, since the lattice is
-//! closed around it. Every course ends in gates, so no road ends in a field.
+//! connectors of merged roads are split where they meet others, and smoothing moves a line only where nothing is near.
+//! Roads touch an outline only in their gate, since the lattice is closed around it. Every course ends in gates, and
+//! merging leaves no dead ends, so no road ends in a field.
 
 mod course;
 mod graph;

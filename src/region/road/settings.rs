@@ -106,7 +106,7 @@ impl Default for RoadSettings {
             turn: 6.0,
             ..minor.clone()
         };
-        Self { step: 128, merge: 300.0, highway, major, minor }
+        Self { step: 128, merge: 275.0, highway, major, minor }
     }
 }
 

@@ -37,9 +37,9 @@ const WATCHED_STEPS: f64 = 3.0;
 /// Greatest length of an edge of the lattice in steps.
 const EDGE_STEPS: f64 = 2.237;
 
-/// Greatest length of a connector in metres.
+/// Greatest length of a connector in metres: over the merge distance at half a right angle.
 fn longest_connector(settings: &RoadSettings) -> f64 {
-    settings.merge + 0.56 * settings.step as f64
+    1.4 * settings.merge
 }
 
 /// Greatest length of a rung in metres: vertices of a road within the merge distance lie up to half an edge further along.
