@@ -7,12 +7,12 @@
 //! vertices are others than those on the ground below. Levels meet where a bridge or tunnel begins or ends.
 
 use super::Work;
-use super::course::courses;
+use super::course::{Course, courses};
 use super::lattice::{STENCIL, heading, node_at};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{JunctionId, StreetClass};
 use crate::region::SizeClass;
-use crate::space::{Bounds, Origin, quantize};
+use crate::space::{Bounds, Origin, line_length, quantize};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 /// of 1/2, 1/3, 1/4 and 1/5.
 const PARTS: i64 = 60;
 /// Edge length of a tile, in steps of the lattice.
-pub(super) const TILE_STEPS: i64 = 16;
+pub(super) const TILE_STEPS: i64 = 8;
 /// How far around its tile a graph reads courses, in steps: an edge reaches two steps out of the tile, and so does each
 /// edge that crosses it there.
 const PADDING_STEPS: i64 = 5;
@@ -104,7 +104,8 @@ impl Key {
         JunctionId::of(&self.words())
     }
 
-    fn place(self, step: i64) -> Place {
+    /// Where the vertex lies; that of a gate is known to its settlement only, and this is the corner of its cell.
+    pub fn place(self, step: i64) -> Place {
         let cell = self.cell();
         let parts = match self {
             Self::At { x, y } | Self::Span { x, y, .. } => I64Vec2::new(x, y) - cell * PARTS,
@@ -115,12 +116,30 @@ impl Key {
     }
 }
 
+/// What decides which of two roads stays where they are merged: the lesser rank. First the class, then the length of the
+/// course, then its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Rank {
+    pub class: StreetClass,
+    /// Bits of the course's length in metres, which is not negative.
+    length: u64,
+    course: u64,
+}
+
+impl Rank {
+    fn of(course: &Course, step: i64) -> Self {
+        let length = line_length(&course.line(step)).to_bits();
+        Self { class: course.class, length, course: course.id.0 }
+    }
+}
+
 /// A way from a vertex to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub to: Key,
     pub place: Place,
-    pub class: StreetClass,
+    /// That of the first of the courses that take this way.
+    pub rank: Rank,
     /// 1 on a bridge, -1 in a tunnel that the search for a course chose, 0 elsewhere.
     pub level: i8,
 }
@@ -131,6 +150,13 @@ pub(super) struct Vertex {
     pub place: Place,
     /// Ways that leave it, by where they lead.
     pub ways: Vec<Way>,
+}
+
+impl Vertex {
+    /// Whether a line of one class goes on here: whether this is no junction.
+    pub fn goes_on(&self) -> bool {
+        matches!(self.ways.as_slice(), [a, b] if a.rank.class == b.rank.class)
+    }
 }
 
 /// Vertices in one tile, with all their ways.
@@ -149,7 +175,7 @@ impl Weigh for Graph {
 struct Edge {
     a: I64Vec2,
     b: I64Vec2,
-    class: StreetClass,
+    rank: Rank,
     level: i8,
 }
 
@@ -167,12 +193,13 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
     let own = tile_bounds(tile, step);
     let padding = (PADDING_STEPS * step) as f64;
     let read = Reach::new("roads", own, padding).check(own.grown(padding))?;
-    let mut edges: BTreeMap<(i8, [i64; 2], usize), StreetClass> = BTreeMap::new();
+    let mut edges: BTreeMap<(i8, [i64; 2], usize), Rank> = BTreeMap::new();
     // Nodes where a bridge or tunnel begins or ends: others along the same line touch ground there too.
     let mut landings: Vec<[i64; 2]> = Vec::new();
     let mut out = Graph::default();
     for tier in [SizeClass::City, SizeClass::Town, SizeClass::Village] {
         for course in courses(work, tier, read, cancel)? {
+            let rank = Rank::of(&course, step);
             for span in &course.spans {
                 landings.extend([span.first, span.last].map(|i| (course.nodes[i] - corner).to_array()));
             }
@@ -186,8 +213,7 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                     continue;
                 }
                 let (from, h) = if h < 8 { (a, h) } else { (b, h - 8) };
-                // Wider classes come first, and stay.
-                edges.entry((course.level(i), from.to_array(), h)).or_insert(course.class);
+                edges.entry((course.level(i), from.to_array(), h)).and_modify(|r| *r = rank.min(*r)).or_insert(rank);
             }
             for (end, node) in [(&course.ends[0], course.nodes.first()), (&course.ends[1], course.nodes.last())] {
                 let Some(node) = node else { continue };
@@ -199,14 +225,14 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
                 let place = Place { origin, offset: end.centre.offset_to(origin) + end.gate };
                 let node = Key::node(*node);
                 let node_place = node.place(step);
-                join(&mut out, tile, (gate, place), (node, node_place), course.class, 0);
+                join(&mut out, tile, (gate, place), (node, node_place), rank, 0);
             }
         }
     }
     landings.sort_unstable();
     let edges: Vec<Edge> = edges
         .into_iter()
-        .map(|((level, a, h), class)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], class, level })
+        .map(|((level, a, h), rank)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], rank, level })
         .collect();
     for (e, points) in edges.iter().zip(crossings(&edges)) {
         let key = |p: I64Vec2| {
@@ -217,22 +243,22 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
         let keys: Vec<Key> = points.into_iter().map(key).collect();
         for pair in keys.windows(2) {
             let ends = [(pair[0], pair[0].place(step)), (pair[1], pair[1].place(step))];
-            join(&mut out, tile, ends[0], ends[1], e.class, e.level);
+            join(&mut out, tile, ends[0], ends[1], e.rank, e.level);
         }
     }
     Ok(out)
 }
 
 /// Adds a way in both directions, as far as its ends lie in the tile.
-fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), class: StreetClass, level: i8) {
+pub(super) fn join(out: &mut Graph, tile: I64Vec2, a: (Key, Place), b: (Key, Place), rank: Rank, level: i8) {
     for ((key, place), (to, there)) in [(a, b), (b, a)] {
         if key.tile() != tile {
             continue;
         }
         let vertex = out.vertices.entry(key).or_insert_with(|| Vertex { place, ways: Vec::new() });
         match vertex.ways.binary_search_by_key(&to, |w| w.to) {
-            Ok(i) => vertex.ways[i].class = vertex.ways[i].class.min(class),
-            Err(i) => vertex.ways.insert(i, Way { to, place: there, class, level }),
+            Ok(i) => vertex.ways[i].rank = vertex.ways[i].rank.min(rank),
+            Err(i) => vertex.ways.insert(i, Way { to, place: there, rank, level }),
         }
     }
 }
@@ -285,10 +311,10 @@ mod tests {
             for s in STENCIL {
                 for x in -2..=2 {
                     for y in -2..=2 {
-                        let class = StreetClass::Minor;
-                        let e = Edge { a: I64Vec2::ZERO, b: r, class, level: 0 };
+                        let rank = Rank { class: StreetClass::Minor, length: 0, course: 0 };
+                        let e = Edge { a: I64Vec2::ZERO, b: r, rank, level: 0 };
                         let a = I64Vec2::new(x, y);
-                        let f = Edge { a, b: a + s, class, level: 0 };
+                        let f = Edge { a, b: a + s, rank, level: 0 };
                         if let Some(p) = crossing(&e, &f) {
                             count += 1;
                             assert_eq!((p.perp_dot(r), (p - a * PARTS).perp_dot(s)), (0, 0));

@@ -13,10 +13,11 @@
 //! 3. `course`: the course of a kept pair on the fine lattice, within the same corridor: a `geodesic` by position and
 //!    heading over a `field` of costs, with bridges and tunnels as edges. Courses of lower classes read those of higher
 //!    classes in their window, never of their own, so no order among equals matters.
-//! 4. `graph`: all courses as a planar graph, in tiles of 16 steps. Reads courses 5 steps around the tile.
-//! 5. `shape`: smoothing, in the same tiles. Reads the graphs of the tile and the eight around it, and outlines 16 steps
-//!    around.
-//! 6. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
+//! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
+//! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
+//!    outlines about 2 km around the tile with the default settings.
+//! 6. `shape`: smoothing, in the same tiles. Reads the merged graphs two tiles around, and outlines 16 steps around.
+//! 7. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
 //!    tunnels, with heights (`profile`).
 //!
 //! # Padding
@@ -29,16 +30,18 @@
 //! # What holds
 //!
 //! Roads of one level meet only at junctions; bridges and tunnels that a search chose are levels of their own. Courses
-//! meet only at nodes and crossings of the lattice, which are vertices of the graph, and smoothing moves a line only where
-//! nothing is near. Roads touch an outline only in their gate, since the lattice is closed around it. Every course ends in
-//! gates, so no road ends in a field. Settlements that touch have no course: their border is the way
-//! between them, and no tie or course comes near it.
+//! meet only at nodes and crossings of the lattice, which are vertices of the graph, connectors of merged roads are split
+//! where they meet others, and smoothing moves a line only where nothing is near. Roads touch an outline only in their
+//! gate, since the lattice is closed around it. Every course ends in gates, and merging leaves no dead ends, so no road
+//! ends in a field. Settlements that touch have no course: their border is the way between them, and no tie or course
+//! comes near it.
 
 mod course;
 mod field;
 mod geodesic;
 mod graph;
 mod lattice;
+mod merge;
 mod pairs;
 mod piece;
 mod places;
@@ -127,6 +130,7 @@ struct Work {
     courses: LayerCache<(SettlementId, SettlementId), course::Found>,
     listed: LayerCache<(u8, i64, i64), course::Listed>,
     graphs: LayerCache<[i64; 2], graph::Graph>,
+    merged: LayerCache<[i64; 2], graph::Graph>,
     shapes: LayerCache<[i64; 2], shape::Shapes>,
     along: LayerCache<[graph::Key; 2], piece::Pieces>,
     tiles: LayerCache<[i64; 2], piece::Pieces>,
@@ -141,6 +145,11 @@ fn class_of(tier: SizeClass) -> StreetClass {
     }
 }
 
+/// The tiles up to `ring` columns and rows from one.
+fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
+    (-ring..=ring).flat_map(move |y| (-ring..=ring).map(move |x| tile + I64Vec2::new(x, y)))
+}
+
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
         let share = |parts: usize| bytes / 33 * parts;
@@ -148,7 +157,7 @@ impl Work {
             settings: settings.clone(),
             terrain,
             places,
-            samples: LayerCache::new(share(8)),
+            samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
             distances: LayerCache::new(share(1)),
             candidates: LayerCache::new(share(1)),
@@ -156,6 +165,7 @@ impl Work {
             courses: LayerCache::new(share(3)),
             listed: LayerCache::new(share(3)),
             graphs: LayerCache::new(share(3)),
+            merged: LayerCache::new(share(2)),
             shapes: LayerCache::new(share(2)),
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
@@ -183,14 +193,13 @@ impl Work {
 
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
-            let mut graphs = Vec::new();
-            for y in -1..=1 {
-                for x in -1..=1 {
-                    graphs.push(self.graph(tile + I64Vec2::new(x, y), cancel)?);
-                }
-            }
-            shape::shapes(self, tile, &graphs, cancel)
+            let around = around(tile, shape::RING).map(|t| self.merged(t, cancel));
+            shape::shapes(self, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
         })
+    }
+
+    fn merged(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.merged.get(&tile.to_array(), || merge::merged(self, tile, cancel))
     }
 
     fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {

@@ -50,7 +50,7 @@ impl Walk<'_> {
         if let Some(held) = self.graphs.get(&tile.to_array()) {
             return Ok(held.clone());
         }
-        let made = self.work.graph(tile, self.cancel)?;
+        let made = self.work.merged(tile, self.cancel)?;
         self.graphs.insert(tile.to_array(), made.clone());
         Ok(made)
     }
@@ -68,14 +68,14 @@ impl Walk<'_> {
         Ok(held.0.get(&key).copied())
     }
 
-    /// The line from `a` over `b` on to the next vertex that does not have two ways, `a` included.
+    /// The line from `a` over `b` on to the next junction, `a` included.
     fn ahead(&mut self, a: Key, b: Key) -> Result<Vec<Key>, LayerError> {
         let mut out = vec![a, b];
         let (mut before, mut at) = (a, b);
         loop {
             let graph = self.graph(at.tile())?;
             let next = match graph.vertices.get(&at) {
-                Some(v) if v.ways.len() == 2 => v.ways.iter().map(|w| w.to).find(|to| *to != before),
+                Some(v) if v.goes_on() => v.ways.iter().map(|w| w.to).find(|to| *to != before),
                 _ => None,
             };
             // A ring without a junction would come back to its start.
@@ -106,7 +106,7 @@ pub(super) fn pieces(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Piec
     let own = tile_bounds(tile, work.settings.step);
     let mut walk = Walk { work, cancel, graphs: BTreeMap::new(), shapes: BTreeMap::new() };
     let mut lines: BTreeMap<[Key; 2], Vec<Key>> = BTreeMap::new();
-    // Edges reach two steps over a tile's border, and rounding off moves lines by less than one.
+    // Edges reach less than three steps over a tile's border, and rounding off moves lines by less than one.
     let near = own.grown(work.settings.step as f64);
     let mut done: Vec<[Key; 2]> = Vec::new();
     for y in -1..=1 {
@@ -148,7 +148,7 @@ fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
         let graph = walk.graph(key.tile())?;
         let Some(v) = graph.vertices.get(key) else { return Ok(Vec::new()) };
         let way = keys.get(i + 1).and_then(|next| v.ways.iter().find(|w| w.to == *next));
-        class = class.or(way.map(|w| w.class));
+        class = class.or(way.map(|w| w.rank.class));
         levels.extend(way.map(|w| w.level));
         let inner = i > 0 && i + 1 < keys.len();
         let shape = if inner { walk.shape(*key)? } else { None };

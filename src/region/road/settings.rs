@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct RoadSettings {
     /// Spacing in metres of the lattice that courses of roads run on: 64 to 512.
     pub step: i64,
+    /// Distance in metres below which roads that run beside each other become one: 0 (never) to 400.
+    pub merge: f64,
     /// Roads between cities.
     pub highway: TierSettings,
     /// Roads between a town and a town or city.
@@ -139,7 +141,7 @@ impl Default for RoadSettings {
             radius: 250.0,
             ..minor.clone()
         };
-        Self { step: 128, highway, major, minor }
+        Self { step: 128, merge: 275.0, highway, major, minor }
     }
 }
 
@@ -183,6 +185,7 @@ impl RoadSettings {
     /// Checks ranges.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::check("step", self.step as f64, 64.0, 512.0)?;
+        RangeError::check("merge", self.merge, 0.0, 400.0)?;
         self.highway.check().map_err(|e| e.within("highway"))?;
         self.major.check().map_err(|e| e.within("major"))?;
         self.minor.check().map_err(|e| e.within("minor"))

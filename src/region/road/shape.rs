@@ -19,6 +19,9 @@ const APART: f64 = 6.0;
 /// the lines it might meet, and outlines beside them.
 const PADDING_STEPS: f64 = 14.0;
 
+/// Tiles on each side whose graphs shapes read.
+pub(super) const RING: i64 = 2;
+
 /// Where a vertex with two ways went.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
@@ -45,7 +48,7 @@ struct Bend {
     around: [Key; 2],
 }
 
-/// The graphs of a tile and the eight around it, as one.
+/// The graphs of a tile and those around it, as one.
 struct Around<'a> {
     vertices: BTreeMap<Key, &'a Vertex>,
     origin: Origin,
@@ -59,7 +62,7 @@ impl Around<'_> {
     /// The vertex after `at`, coming from `from`, if the line goes on there.
     fn beyond(&self, from: Key, at: Key) -> Option<(Key, Place)> {
         let v = self.ways(at)?;
-        if v.ways.len() != 2 {
+        if !v.goes_on() {
             return None;
         }
         v.ways.iter().find(|w| w.to != from).map(|w| (w.to, w.place))
@@ -68,6 +71,9 @@ impl Around<'_> {
     fn bend(&self, key: Key) -> Option<Bend> {
         let v = self.ways(key)?;
         let [a, b] = v.ways.as_slice() else { return None };
+        if !v.goes_on() {
+            return None;
+        }
         let (pa, pb) = (a.place.from(&v.place), b.place.from(&v.place));
         let around = [a.to, b.to];
         let corner = (pa + pb).length() / 8.0;
@@ -102,7 +108,7 @@ impl Around<'_> {
     }
 }
 
-/// Shapes of one tile from the graphs of it and the eight tiles around it.
+/// Shapes of one tile from the graphs of it and the tiles within [`RING`].
 pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: &Cancel) -> Result<Shapes, LayerError> {
     cancel.check()?;
     let step = work.settings.step;

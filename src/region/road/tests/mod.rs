@@ -2,6 +2,7 @@
 
 mod costs;
 mod ground;
+mod merging;
 
 use super::lattice::node_at;
 use super::*;
@@ -125,35 +126,33 @@ fn pieces_meet_at_junctions_and_end_in_gates() {
     }
 }
 
+/// Panics unless the roads around `centre` are the same alone, from a larger window, and from quarters with caches that
+/// forget most of it in between.
+fn assert_same_whatever_was_asked(fresh: impl Fn() -> Roads, centre: DVec2, size: f64) {
+    let window = Bounds::square(centre, size);
+    let alone = all(&fresh(), window);
+    assert!(!alone.is_empty());
+    let larger = fresh();
+    let mut inside = all(&larger, Bounds::square(centre + 900.0, size + 3_500.0));
+    inside.retain(|r| r.enters(window));
+    assert_eq!(alone, inside);
+    assert_eq!(alone, all(&larger, window));
+    let (terrain, places) = (larger.work.terrain.clone(), larger.work.places.clone());
+    let tiny = Roads { work: Work::new(&larger.work.settings, terrain, places, 6_000_000) };
+    let mut quarters: Vec<Arc<Road>> = Vec::new();
+    for (x, y) in [(0.25, 0.25), (0.25, -0.25), (-0.25, 0.25), (-0.25, -0.25)] {
+        let quarter = Bounds::square(centre + DVec2::new(x, y) * size, size / 2.0);
+        quarters.extend(all(&tiny, quarter));
+    }
+    quarters.sort_by_key(|r| r.street.id);
+    quarters.dedup_by_key(|r| r.street.id);
+    assert_eq!(alone, quarters);
+}
+
 #[test]
 fn the_same_pieces_whatever_was_asked_before() {
     for centre in [DVec2::new(-3_000.0, -9_000.0), DVec2::new(5e8, 77.0)] {
-        let fresh = || roads(7, false, &RoadSettings::default());
-        let window = Bounds::square(centre, 2_500.0);
-        let alone = all(&fresh(), window);
-        assert!(!alone.is_empty());
-        let larger = fresh();
-        let mut inside = all(&larger, Bounds::square(centre + 900.0, 6_000.0));
-        inside.retain(|r| r.enters(window));
-        assert_eq!(alone, inside);
-        assert_eq!(alone, all(&larger, window));
-        // In quarters, from the far end, with caches that forget most of it in between.
-        let tiny = Roads {
-            work: Work::new(
-                &RoadSettings::default(),
-                larger.work.terrain.clone(),
-                larger.work.places.clone(),
-                6_000_000,
-            ),
-        };
-        let mut quarters: Vec<Arc<Road>> = Vec::new();
-        for (x, y) in [(0.25, 0.25), (0.25, -0.25), (-0.25, 0.25), (-0.25, -0.25)] {
-            let quarter = Bounds::square(centre + DVec2::new(x, y) * 2_500.0, 1_250.0);
-            quarters.extend(all(&tiny, quarter));
-        }
-        quarters.sort_by_key(|r| r.street.id);
-        quarters.dedup_by_key(|r| r.street.id);
-        assert_eq!(alone, quarters);
+        assert_same_whatever_was_asked(|| roads(7, false, &RoadSettings::default()), centre, 2_500.0);
     }
 }
 

@@ -1,0 +1,198 @@
+//! The graph around a tile, indexed, with a grid to find what is near.
+
+use super::super::Work;
+use super::super::graph::{Graph, Key, Place, Rank, tile_bounds};
+use crate::layer::{LayerError, Reach};
+use crate::space::{Bounds, Origin, distance_to_segment};
+use glam::{DVec2, I64Vec2};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A vertex.
+pub struct Node {
+    pub key: Key,
+    pub place: Place,
+    /// Position relative to the tile. On the quantum grid, so differences of positions are exact and the same from
+    /// whichever tile they are taken; nothing else may enter a decision.
+    pub at: DVec2,
+    /// Edges.
+    pub ways: Vec<usize>,
+    /// The best of their ranks.
+    pub best: Option<Rank>,
+}
+
+/// A way between two vertices.
+pub struct Edge {
+    pub ends: [usize; 2],
+    pub rank: Rank,
+    /// 1 on a bridge, -1 in a tunnel, 0 on the ground.
+    pub level: i8,
+    /// Whether it stays in any case: a tie, a bridge, a tunnel.
+    pub fixed: bool,
+}
+
+/// The graph around a tile.
+pub struct Net {
+    pub nodes: Vec<Node>,
+    pub edges: Vec<Edge>,
+    pub own: Bounds,
+    reach: Reach,
+    origin: Origin,
+    near_nodes: Grid,
+    near_edges: Grid,
+}
+
+/// Indices by square.
+struct Grid {
+    min: DVec2,
+    size: f64,
+    columns: usize,
+    rows: usize,
+    cells: Vec<Vec<usize>>,
+}
+
+impl Grid {
+    fn new(bounds: Bounds, size: f64) -> Self {
+        let count = (bounds.size() / size).ceil().max(DVec2::ONE);
+        let (columns, rows) = (count.x as usize, count.y as usize);
+        Self { min: bounds.min, size, columns, rows, cells: vec![Vec::new(); columns * rows] }
+    }
+
+    fn squares(&self, bounds: Bounds) -> impl Iterator<Item = usize> + use<> {
+        let most = DVec2::new(self.columns as f64 - 1.0, self.rows as f64 - 1.0);
+        let low = ((bounds.min - self.min) / self.size).floor().clamp(DVec2::ZERO, most).as_usizevec2();
+        let high = ((bounds.max - self.min) / self.size).floor().clamp(DVec2::ZERO, most).as_usizevec2();
+        let columns = self.columns;
+        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| y * columns + x))
+    }
+
+    fn put(&mut self, bounds: Bounds, index: usize) {
+        for square in self.squares(bounds) {
+            self.cells[square].push(index);
+        }
+    }
+
+    /// What may lie in a box, sorted.
+    fn get(&self, bounds: Bounds) -> Vec<usize> {
+        let mut out: Vec<usize> = self.squares(bounds).flat_map(|s| &self.cells[s]).copied().collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+}
+
+impl Net {
+    pub fn new(work: &Work, tile: I64Vec2, reach: Reach, graphs: &[Arc<Graph>]) -> Result<Self, LayerError> {
+        let plan = tile_bounds(tile, work.settings.step);
+        let origin = Origin::at(plan.min);
+        let mut nodes: Vec<Node> = Vec::new();
+        let mut index: BTreeMap<Key, usize> = BTreeMap::new();
+        let node = |key, place: Place| {
+            let at = place.local_to(origin);
+            Node { key, place, at, ways: Vec::new(), best: None }
+        };
+        let mut all: Vec<_> = graphs.iter().flat_map(|g| &g.vertices).collect();
+        all.sort_by_key(|(k, _)| **k);
+        for (key, v) in &all {
+            index.insert(**key, nodes.len());
+            nodes.push(node(**key, v.place));
+        }
+        let mut edges: Vec<Edge> = Vec::new();
+        for (key, v) in &all {
+            for way in &v.ways {
+                let a = index[*key];
+                let b = *index.entry(way.to).or_insert_with(|| {
+                    nodes.push(node(way.to, way.place));
+                    nodes.len() - 1
+                });
+                // Each once, from its first end, or from the only one that is in these tiles.
+                if **key < way.to || b >= all.len() {
+                    let fixed = key.is_gate() || way.to.is_gate() || way.level != 0;
+                    for end in [a, b] {
+                        nodes[end].ways.push(edges.len());
+                        nodes[end].best = Some(nodes[end].best.map_or(way.rank, |r| r.min(way.rank)));
+                    }
+                    edges.push(Edge { ends: [a, b], rank: way.rank, level: way.level, fixed });
+                }
+            }
+        }
+        let bounds = reach.bounds().moved(-origin.plan());
+        let size = work.settings.merge.max(work.settings.step as f64);
+        let (mut near_nodes, mut near_edges) = (Grid::new(bounds, size), Grid::new(bounds, size));
+        for (i, n) in nodes.iter().enumerate() {
+            near_nodes.put(Bounds::of([n.at]), i);
+        }
+        for (i, e) in edges.iter().enumerate() {
+            near_edges.put(Bounds::of(e.ends.map(|n| nodes[n].at)), i);
+        }
+        Ok(Self { nodes, edges, own: plan.moved(-origin.plan()), reach, origin, near_nodes, near_edges })
+    }
+
+    /// The other end of an edge.
+    pub fn far(&self, edge: usize, node: usize) -> usize {
+        let [a, b] = self.edges[edge].ends;
+        if a == node { b } else { a }
+    }
+
+    /// From one vertex to another.
+    pub fn step(&self, from: usize, to: usize) -> DVec2 {
+        self.nodes[to].at - self.nodes[from].at
+    }
+
+    /// Distance of two vertices.
+    pub fn apart(&self, a: usize, b: usize) -> f64 {
+        self.step(a, b).length()
+    }
+
+    /// Distance of a vertex from an edge.
+    pub fn off(&self, node: usize, edge: usize) -> f64 {
+        let [a, b] = self.edges[edge].ends;
+        distance_to_segment(DVec2::ZERO, self.step(node, a), self.step(node, b))
+    }
+
+    /// Whether a vertex lies on a way better than `rank` that is no tie.
+    pub fn on_better(&self, node: usize, rank: Rank) -> bool {
+        self.nodes[node].ways.iter().any(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed)
+    }
+
+    /// Vertices within `limit` of one, sorted.
+    pub fn nodes_near(&self, node: usize, limit: f64) -> Result<Vec<usize>, LayerError> {
+        let around = self.readable(Bounds::of([self.nodes[node].at]).grown(limit))?;
+        let mut out = self.near_nodes.get(around);
+        out.retain(|n| *n != node && self.apart(node, *n) <= limit);
+        Ok(out)
+    }
+
+    /// Vertices in a box, sorted.
+    pub fn nodes_in(&self, bounds: Bounds) -> Result<Vec<usize>, LayerError> {
+        let mut out = self.near_nodes.get(self.readable(bounds)?);
+        out.retain(|n| bounds.contains(self.nodes[*n].at));
+        Ok(out)
+    }
+
+    /// Edges whose boxes may overlap a box, sorted.
+    pub fn edges_in(&self, bounds: Bounds) -> Result<Vec<usize>, LayerError> {
+        let mut out = self.near_edges.get(self.readable(bounds)?);
+        out.retain(|e| Bounds::of(self.edges[*e].ends.map(|n| self.nodes[n].at)).overlaps(bounds));
+        Ok(out)
+    }
+
+    /// Distance of a vertex from the nearest way better than `rank` that is no tie, if within `limit`.
+    pub fn better_near(&self, node: usize, rank: Rank, limit: f64) -> Result<Option<f64>, LayerError> {
+        if self.on_better(node, rank) {
+            return Ok(Some(0.0));
+        }
+        let around = self.readable(Bounds::of([self.nodes[node].at]).grown(limit))?;
+        let edges = self.near_edges.get(around).into_iter();
+        let better = edges.filter(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed);
+        let distance = better.map(|e| self.off(node, e)).fold(f64::INFINITY, f64::min);
+        Ok((distance <= limit).then_some(distance))
+    }
+
+    /// A box, if it lies within reach.
+    fn readable(&self, bounds: Bounds) -> Result<Bounds, LayerError> {
+        // Half a metre for the rounding of positions.
+        self.reach.check(bounds.grown(-0.5).moved(self.origin.plan()))?;
+        Ok(bounds)
+    }
+}

@@ -1,0 +1,267 @@
+//! Which ways go, and which vertices need a connector in their place.
+
+use super::super::Work;
+use super::super::graph::{Place, Rank};
+use super::super::settings::TierSettings;
+use super::net::Net;
+use super::{WATCHED_STEPS, longest_rung};
+use crate::layer::LayerError;
+use crate::network::StreetClass;
+use crate::space::math::angle_between;
+use crate::space::{Bounds, distance_to_segment, polygon_distance, segment_distance};
+use glam::DVec2;
+use std::collections::BTreeMap;
+
+/// Ways that part at a smaller angle, in radians, part further out.
+pub(super) const SHARP: f64 = 0.55;
+/// Length in steps over which a course must run beside others if it does not touch them.
+const LEAST_STEPS: f64 = 3.0;
+/// Sine of the angle at which a course heads away.
+const AWAY: f64 = 0.65;
+/// Rungs that are tried for a vertex, nearest first.
+const MOST_TRIED: usize = 4;
+/// Metres between samples of the ground under a rung.
+const SAMPLED_EVERY: f64 = 32.0;
+/// Distance in steps that connectors keep from outlines.
+const OFF_OUTLINES: f64 = 0.3;
+/// Distance in metres that connectors keep from ties.
+const OFF_TIES: f64 = 18.0;
+
+/// A net, and what has been found out about it.
+pub struct Rules<'a> {
+    pub work: &'a Work,
+    pub net: Net,
+    second: Vec<Option<bool>>,
+    rung: Vec<Option<Option<usize>>>,
+    goes: Vec<Option<bool>>,
+}
+
+impl<'a> Rules<'a> {
+    pub fn new(work: &'a Work, net: Net) -> Self {
+        let (nodes, edges) = (net.nodes.len(), net.edges.len());
+        Self { work, net, second: vec![None; nodes], rung: vec![None; nodes], goes: vec![None; edges] }
+    }
+
+    /// Whether a vertex runs beside better ways, or comes first after a sharp fork from them.
+    pub fn is_second(&mut self, node: usize) -> Result<bool, LayerError> {
+        if let Some(known) = self.second[node] {
+            return Ok(known);
+        }
+        let known = self.find_second(node)?;
+        self.second[node] = Some(known);
+        Ok(known)
+    }
+
+    fn find_second(&self, node: usize) -> Result<bool, LayerError> {
+        let n = &self.net.nodes[node];
+        let (Some(rank), false) = (n.best, n.key.is_gate()) else { return Ok(false) };
+        let limit = self.work.settings.merge;
+        let Some(distance) = self.net.better_near(node, rank, limit)? else { return Ok(false) };
+        let along = self.along(node, rank);
+        if along.iter().any(|e| self.is_sharp(*e, self.net.far(*e, node))) {
+            return Ok(true);
+        }
+        // How far the course stays within the limit, to both sides.
+        let step = self.work.settings.step as f64;
+        let (mut length, mut touches) = (0.0, false);
+        let mut ends = [(node, distance); 2];
+        for (first, end) in along.into_iter().zip(&mut ends) {
+            let (mut at, mut via, mut run) = (node, first, 0.0);
+            loop {
+                let next = self.net.far(via, at);
+                run += self.net.apart(at, next);
+                if run > WATCHED_STEPS * step {
+                    break;
+                }
+                let Some(distance) = self.net.better_near(next, rank, limit)? else { break };
+                length += self.net.apart(at, next);
+                *end = (next, distance);
+                if distance == 0.0 {
+                    touches = true;
+                    break;
+                }
+                let Some(on) = self.along(next, rank).into_iter().find(|e| *e != via) else { break };
+                (at, via) = (next, on);
+            }
+        }
+        let away = (ends[0].1 - ends[1].1).abs() > AWAY * self.net.apart(ends[0].0, ends[1].0);
+        Ok(length > 0.0 && !away && (touches || length >= LEAST_STEPS * step))
+    }
+
+    /// The ways of a rank at a vertex that are no ties: at most two, but where a course crosses itself.
+    fn along(&self, node: usize, rank: Rank) -> Vec<usize> {
+        let ways = &self.net.nodes[node].ways;
+        ways.iter().copied().filter(|e| self.net.edges[*e].rank == rank && !self.net.edges[*e].fixed).collect()
+    }
+
+    /// Whether an edge leaves a better way at a sharp angle.
+    fn is_sharp(&self, edge: usize, fork: usize) -> bool {
+        let direction = self.net.step(fork, self.net.far(edge, fork));
+        self.net.nodes[fork].ways.iter().any(|b| {
+            let better = &self.net.edges[*b];
+            better.rank < self.net.edges[edge].rank
+                && !better.fixed
+                && angle_between(direction, self.net.step(fork, self.net.far(*b, fork))) < SHARP
+        })
+    }
+
+    /// The vertex that a vertex is coupled with.
+    pub fn rung(&mut self, node: usize) -> Result<Option<usize>, LayerError> {
+        if let Some(known) = self.rung[node] {
+            return Ok(known);
+        }
+        let known = self.find_rung(node)?;
+        self.rung[node] = Some(known);
+        Ok(known)
+    }
+
+    fn find_rung(&mut self, node: usize) -> Result<Option<usize>, LayerError> {
+        let Some(rank) = self.net.nodes[node].best else { return Ok(None) };
+        if !self.is_second(node)? {
+            return Ok(None);
+        }
+        let mut near = self.net.nodes_near(node, longest_rung(&self.work.settings))?;
+        near.retain(|n| self.net.on_better(*n, rank));
+        near.sort_by(|a, b| {
+            let key = |n: usize| self.net.nodes[n].key;
+            self.net.apart(node, *a).total_cmp(&self.net.apart(node, *b)).then(key(*a).cmp(&key(*b)))
+        });
+        let mut tried = 0;
+        for n in near {
+            if self.is_second(n)? {
+                continue;
+            }
+            if self.is_free(node, n)? {
+                return Ok(Some(n));
+            }
+            tried += 1;
+            if tried == MOST_TRIED {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the ground lets a connector through, and no outline or tie is in its way.
+    pub fn is_free(&self, from: usize, to: usize) -> Result<bool, LayerError> {
+        let (a, by) = (&self.net.nodes[from], self.net.step(from, to));
+        let step = self.work.settings.step as f64;
+        let crosses_tie = |e: &usize| {
+            let edge = &self.net.edges[*e];
+            let [p, q] = edge.ends.map(|n| self.net.step(from, n));
+            edge.fixed
+                && !edge.ends.contains(&from)
+                && !edge.ends.contains(&to)
+                && segment_distance(DVec2::ZERO, by, p, q) < OFF_TIES
+        };
+        let around = Bounds::of([a.at, self.net.nodes[to].at]).grown(OFF_TIES);
+        if self.net.edges_in(around)?.iter().any(crosses_tie) {
+            return Ok(false);
+        }
+        let Some(rank) = a.best else { return Ok(false) };
+        let most = settings_of(self.work, rank.class).slope_limit;
+        let parts = (by.length() / SAMPLED_EVERY).ceil().max(1.0);
+        let plan = |place: &Place| place.origin.to_plan(place.offset);
+        let mut before: Option<f64> = None;
+        for i in 0..=parts as usize {
+            let ground = self.work.terrain.sample(plan(&a.place.moved(by * (i as f64 / parts))));
+            if ground.depth() > 0.0 {
+                return Ok(false);
+            }
+            if i.is_multiple_of(2) {
+                let rise = before.map_or(0.0, |h| (ground.height - h).abs());
+                if rise > 1.3 * most * 2.0 * by.length() / parts {
+                    return Ok(false);
+                }
+                before = Some(ground.height);
+            }
+        }
+        let segment = Bounds::of([plan(&a.place), plan(&a.place.moved(by))]).grown(OFF_OUTLINES * step);
+        for s in self.work.places.overlapping(segment)? {
+            let outline = self.work.places.outline(&s)?;
+            let at = a.place.local_to(outline.origin);
+            if polygon_distance(at, at + by, &outline.polygon) < OFF_OUTLINES * step {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether a way goes.
+    pub fn goes(&mut self, edge: usize) -> Result<bool, LayerError> {
+        if let Some(known) = self.goes[edge] {
+            return Ok(known);
+        }
+        let known = self.find_goes(edge)?;
+        self.goes[edge] = Some(known);
+        Ok(known)
+    }
+
+    fn find_goes(&mut self, edge: usize) -> Result<bool, LayerError> {
+        let (rank, ends) = (self.net.edges[edge].rank, self.net.edges[edge].ends);
+        if self.net.edges[edge].fixed {
+            return Ok(false);
+        }
+        let mut across = [0; 2];
+        for (end, other) in ends.iter().zip(&mut across) {
+            *other = if self.net.on_better(*end, rank) {
+                *end
+            } else {
+                match self.rung(*end)? {
+                    Some(n) => n,
+                    None => return Ok(false),
+                }
+            };
+        }
+        Ok(self.is_joined(edge, across))
+    }
+
+    /// Whether better ways within the merge distance of an edge join two vertices.
+    fn is_joined(&self, edge: usize, [from, to]: [usize; 2]) -> bool {
+        let limit = longest_rung(&self.work.settings);
+        let most = 2.0 * self.net.apart(self.net.edges[edge].ends[0], self.net.edges[edge].ends[1]) + limit;
+        let mut way: BTreeMap<usize, f64> = BTreeMap::from([(from, 0.0)]);
+        let mut open = vec![from];
+        while let Some(at) = open.pop() {
+            if at == to {
+                return true;
+            }
+            for e in &self.net.nodes[at].ways {
+                let (next, there) = (self.net.far(*e, at), way[&at] + self.net.apart(at, self.net.far(*e, at)));
+                let better = self.net.edges[*e].rank < self.net.edges[edge].rank && !self.net.edges[*e].fixed;
+                let shorter = way.get(&next).is_none_or(|w| there < *w);
+                if better && shorter && there <= most && self.net.off(next, edge) <= limit {
+                    way.insert(next, there);
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
+    /// Whether a vertex has lost ways to its rung but keeps others.
+    pub fn needs_connector(&mut self, node: usize) -> Result<bool, LayerError> {
+        let (Some(rank), true) = (self.net.nodes[node].best, self.is_second(node)?) else { return Ok(false) };
+        let (mut lost, mut kept) = (false, false);
+        for e in self.net.nodes[node].ways.clone() {
+            let goes = self.goes(e)?;
+            lost |= goes && self.net.edges[e].rank == rank;
+            kept |= !goes;
+        }
+        Ok(lost && kept)
+    }
+
+    /// Distance of a vertex from the straight line between two others.
+    pub fn off_line(&self, node: usize, from: usize, to: usize) -> f64 {
+        distance_to_segment(DVec2::ZERO, self.net.step(node, from), self.net.step(node, to))
+    }
+}
+
+/// Settings of the roads of a class.
+fn settings_of(work: &Work, class: StreetClass) -> &TierSettings {
+    match class {
+        StreetClass::Highway => &work.settings.highway,
+        StreetClass::Major => &work.settings.major,
+        _ => &work.settings.minor,
+    }
+}

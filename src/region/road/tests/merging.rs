@@ -1,0 +1,171 @@
+//! What merging leaves of the roads.
+
+use super::*;
+use crate::region::SettlementSettings;
+use crate::space::Seed;
+use crate::space::{distance_to_line, math::angle_between, point_at, polygon_distance, resample};
+use crate::terrain::{NoiseTerrain, TerrainSettings};
+
+/// A merge distance.
+fn with(merge: f64) -> RoadSettings {
+    RoadSettings { merge, ..RoadSettings::default() }
+}
+
+/// The default merge distance.
+const MERGE: f64 = 275.0;
+
+/// Roads of a world as it is by default.
+fn world(seed: u64, merge: f64) -> Roads {
+    let terrain = Arc::new(NoiseTerrain::new(Seed(seed), &TerrainSettings::default()));
+    let settlements = Settlements::new(Seed(seed), &SettlementSettings::default(), terrain.clone(), 32 << 20);
+    Roads::new(&with(merge), terrain, Arc::new(settlements), 256 << 20)
+}
+
+/// What a reader of the map would frown at.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+struct Flaws {
+    /// Pairs of pieces that keep closer than the merge distance over more than 2.5 times that.
+    twins: usize,
+    /// Pairs of pieces that leave a junction at less than 30 degrees.
+    sharp: usize,
+    /// Length of all pieces in kilometres.
+    km: f64,
+}
+
+fn longest_run(a: &[DVec2], b: &[DVec2], limit: f64) -> f64 {
+    const STEP: f64 = 20.0;
+    let (mut run, mut longest) = (0.0, 0.0f64);
+    for p in resample(a, STEP) {
+        run = if distance_to_line(p, b) < limit { run + STEP } else { 0.0 };
+        longest = longest.max(run);
+    }
+    longest
+}
+
+fn flaws(roads: &Roads, bounds: Bounds, limit: f64) -> Flaws {
+    let origin = Origin::at(bounds.centre());
+    let pieces = all(roads, bounds);
+    assert_planar(&pieces, origin);
+    let outlines: Vec<Vec<DVec2>> = roads
+        .work
+        .places
+        .overlapping(bounds.grown(1_000.0))
+        .unwrap()
+        .iter()
+        .map(|s| {
+            let outline = roads.work.places.outline(s).unwrap();
+            let shift = outline.origin.offset_to(origin);
+            outline.polygon.iter().map(|p| *p + shift).collect()
+        })
+        .collect();
+    let in_town = |p: DVec2| outlines.iter().any(|o| point_in_polygon(p, o) || polygon_distance(p, p, o) < 330.0);
+    let lines: Vec<Vec<DVec2>> =
+        pieces.iter().map(|r| r.street.line.iter().map(|p| *p + r.origin.offset_to(origin)).collect()).collect();
+    let mut out =
+        Flaws { km: lines.iter().map(|l| crate::space::line_length(l)).sum::<f64>() / 1000.0, ..Flaws::default() };
+    for (i, a) in lines.iter().enumerate() {
+        let near = Bounds::of(a.iter().copied()).grown(limit);
+        for b in lines[i + 1..].iter().filter(|b| near.overlaps(Bounds::of(b.iter().copied()))) {
+            if longest_run(a, b, limit) > 2.5 * limit && longest_run(b, a, limit) > 2.5 * limit {
+                out.twins += 1;
+            }
+        }
+    }
+    let mut leaving: BTreeMap<JunctionId, Vec<(DVec2, DVec2)>> = BTreeMap::new();
+    for (r, line) in pieces.iter().zip(&lines) {
+        let back: Vec<DVec2> = line.iter().rev().copied().collect();
+        for (id, line) in [(r.street.from, line), (r.street.to, &back)] {
+            leaving.entry(id).or_default().push((line[0], point_at(line, 60.0).0 - line[0]));
+        }
+    }
+    for ways in leaving.values().filter(|w| !in_town(w[0].0)) {
+        for (i, (_, a)) in ways.iter().enumerate() {
+            for (_, b) in &ways[i + 1..] {
+                if angle_between(*a, *b) < 0.52 {
+                    out.sharp += 1;
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Flaws of windows of 10 km, in as many worlds.
+fn flaws_of(seeds: std::ops::Range<u64>, merge: f64) -> Flaws {
+    let mut sum = Flaws::default();
+    for seed in seeds {
+        let centre = DVec2::new((seed - 100) as f64 * 31_000.0, -7_000.0);
+        let found = flaws(&world(seed, merge), Bounds::square(centre, 10_000.0), MERGE);
+        sum.twins += found.twins;
+        sum.sharp += found.sharp;
+        sum.km += found.km;
+    }
+    sum
+}
+
+#[test]
+fn no_twins_are_left() {
+    let after = flaws_of(100..105, MERGE);
+    assert_eq!((after.twins, after.sharp), (0, 0));
+}
+
+#[test]
+fn no_twins_are_left_in_other_worlds() {
+    let after = flaws_of(105..110, MERGE);
+    // Between two of these roads the ground is too steep for another fork.
+    assert!(after.twins == 0 && after.sharp <= 1, "{after:?}");
+}
+
+#[test]
+fn without_merging_there_are_twins() {
+    assert!(flaws_of(100..101, 0.0).twins > 0);
+}
+
+#[test]
+fn the_same_where_roads_merge_whatever_was_asked_before() {
+    // Two roads become one for a while in each of these.
+    for (seed, centre) in [(107, DVec2::new(215_300.0, -8_300.0)), (100, DVec2::new(2_113.0, -5_330.0))] {
+        let near = |merge: f64| all(&world(seed, merge), Bounds::square(centre, 1_000.0));
+        assert_ne!(near(0.0), near(MERGE));
+        assert_same_whatever_was_asked(|| world(seed, MERGE), centre, 1_000.0);
+    }
+}
+
+#[test]
+fn what_was_connected_stays_connected() {
+    for (seed, centre) in [(107, DVec2::new(215_300.0, -8_300.0)), (1, DVec2::ZERO), (3, DVec2::new(5e8, -3e8))] {
+        let window = Bounds::square(centre, 9_000.0);
+        let unmerged = world(seed, 0.0);
+        let mut before = components(&all(&unmerged, window));
+        let towns = unmerged.work.places.of_tier(window, SizeClass::Village).unwrap();
+        let gates = towns.iter().flat_map(|s| unmerged.gates(s, &Cancel::new()).unwrap());
+        let gates: Vec<u64> = gates.map(|g| g.junction.0).collect();
+        before.retain(|id, _| gates.contains(id));
+        // The way round by which a way goes may leave the window.
+        let after = components(&all(&world(seed, MERGE), window.grown(1_500.0)));
+        let mut image: BTreeMap<u64, u64> = BTreeMap::new();
+        for (gate, component) in &before {
+            assert_eq!(image.entry(*component).or_insert(after[gate]), &after[gate], "{gate:?}");
+        }
+        assert!(before.len() > 20);
+    }
+}
+
+/// The component of each junction of a graph of pieces.
+fn components(pieces: &[Arc<Road>]) -> BTreeMap<u64, u64> {
+    let mut parent: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
+    fn root(parent: &mut BTreeMap<JunctionId, JunctionId>, id: JunctionId) -> JunctionId {
+        let mut at = id;
+        while let Some(up) = parent.get(&at).copied().filter(|up| *up != at) {
+            at = up;
+        }
+        parent.insert(id, at);
+        at
+    }
+    for r in pieces {
+        let (a, b) = (root(&mut parent, r.street.from), root(&mut parent, r.street.to));
+        parent.insert(b, a);
+    }
+    let ids: Vec<JunctionId> = parent.keys().copied().collect();
+    ids.into_iter().map(|id| (id.0, root(&mut parent, id).0)).collect()
+}
