@@ -14,6 +14,8 @@ use std::sync::{Arc, Mutex};
 /// Hills, a river every 19 km and lakes; or nothing but a plain.
 pub struct Hills {
     pub flat: bool,
+    /// Half the width of rivers in metres.
+    pub river: f64,
 }
 
 impl Terrain for Hills {
@@ -33,7 +35,7 @@ impl Terrain for Hills {
         }
         let river = p.x - 2_500.0 * math::sin(p.y / 6_000.0);
         let off = (river - 19_000.0 * (river / 19_000.0).round()).abs();
-        if off < 35.0 {
+        if off < self.river {
             (height, water_level) = (12.0, 15.0);
         }
         TerrainSample { height, water_level, vegetation: 0.5 + 0.5 * wave(DVec2::Y, 2_900.0, 0.0) }
@@ -124,7 +126,12 @@ impl Places for Towns {
 
 /// Roads of a test world.
 pub fn roads(seed: u64, flat: bool, settings: &RoadSettings) -> Roads {
-    let terrain = Arc::new(Hills { flat });
+    roads_over(seed, Hills { flat, river: 35.0 }, settings)
+}
+
+/// Roads of a test world over a ground.
+pub fn roads_over(seed: u64, ground: Hills, settings: &RoadSettings) -> Roads {
+    let terrain = Arc::new(ground);
     let places = Arc::new(Towns { seed: Seed(seed), terrain: terrain.clone(), found: Mutex::default() });
     Roads { work: Work::new(settings, terrain, places, 256 << 20) }
 }

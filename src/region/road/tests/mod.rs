@@ -7,7 +7,7 @@ mod merging;
 use super::lattice::node_at;
 use super::*;
 use crate::space::{point_in_polygon, quantize, segment_crossing, segment_distance, segments};
-use ground::roads;
+use ground::{Hills, roads, roads_over};
 use std::collections::BTreeMap;
 
 fn all(roads: &Roads, bounds: Bounds) -> Vec<Arc<Road>> {
@@ -261,4 +261,23 @@ fn bends_are_wide_and_grades_low_between_junctions() {
         // Where roads pass close to another or begin at a gate, some corners are sharper.
         assert!(sharp * 200 < points, "{sharp} of {points}");
     }
+}
+
+#[test]
+fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
+    let mut bridges = 0;
+    for seed in 41..44 {
+        let roads = roads_over(seed, Hills { flat: false, river: 110.0 }, &RoadSettings::default());
+        let pieces = all(&roads, Bounds::square(DVec2::ZERO, 12_000.0));
+        assert_planar(&pieces, Origin::at(DVec2::ZERO));
+        for r in pieces.iter().filter(|r| r.street.level != 0) {
+            let line = &r.street.line;
+            let (from, to) = (line[0], line[line.len() - 1]);
+            assert!(line.iter().all(|p| crate::space::distance_to_segment(*p, from, to) < 0.1));
+            let t = roads.work.settings.class(r.street.class);
+            assert!((r.heights[0] - r.heights[line.len() - 1]).abs() <= 1.01 * t.slope_limit * r.street.length());
+            bridges += usize::from(r.street.bridge);
+        }
+    }
+    assert!(bridges > 3, "{bridges}");
 }
