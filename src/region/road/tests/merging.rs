@@ -112,7 +112,7 @@ fn no_twins_are_left() {
 #[test]
 fn no_twins_are_left_in_other_worlds() {
     let after = flaws_of(105..110, MERGE);
-    // Between two of these roads the ground is too steep for another fork.
+    // One fork is a step away from the tie of a village, which stays.
     assert!(after.twins == 0 && after.sharp <= 1, "{after:?}");
 }
 
