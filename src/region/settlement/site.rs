@@ -21,8 +21,9 @@ const HIGH: f64 = 9.0;
 const BANK: (f64, f64) = (1.4, 5.0);
 /// Length over which a slope is measured.
 const SLOPE_LENGTH: f64 = 40.0;
-/// Rays that a place is judged by.
-const RAYS: usize = 20;
+/// Distance in metres between the rays that a place is judged by, at its radius, and how many they are.
+const RAY_SPACING: f64 = 120.0;
+const RAYS: (usize, usize) = (12, 24);
 /// Distance from a place within which it is judged as finely as outlines are made; beyond it with steps so much longer.
 const JUDGED: (f64, f64) = (200.0, 2.5);
 /// Share of its circle that a settlement fills at least.
@@ -125,10 +126,11 @@ pub(super) fn promise(
 
 /// Whether a settlement of a radius finds enough ground around a place, and none of it too steep.
 pub(super) fn suits(terrain: &dyn Terrain, centre: DVec2, radius: f64, max_slope: f64) -> bool {
-    let (mut reach, mut climb, mut length) = ([0.0; RAYS], 0.0, 0.0);
+    let rays = ((TAU * radius / RAY_SPACING) as usize).clamp(RAYS.0, RAYS.1);
+    let (mut reach, mut climb, mut length) = (vec![0.0; rays], 0.0, 0.0);
     let mut ground = terrain.scan();
     for (i, reach) in reach.iter_mut().enumerate() {
-        let way = math::direction(i as f64 / RAYS as f64 * TAU);
+        let way = math::direction(i as f64 / rays as f64 * TAU);
         let course = Course { centre, way, from: 0.0, limit: radius, fine: JUDGED.0 };
         let ray = ray(&mut ground, course, max_slope);
         if ray.reach < LEAST_REACH {
@@ -139,6 +141,6 @@ pub(super) fn suits(terrain: &dyn Terrain, centre: DVec2, radius: f64, max_slope
         length += ray.reach;
     }
     smooth(&mut reach);
-    let area = reach.iter().map(|r| r * r).sum::<f64>() / (radius * radius * RAYS as f64);
+    let area = reach.iter().map(|r| r * r).sum::<f64>() / (radius * radius * rays as f64);
     area >= LEAST_AREA && climb <= max_slope * length
 }
