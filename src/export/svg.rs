@@ -25,7 +25,7 @@ pub enum Colouring {
 /// How a map is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapStyle {
-    /// Width and height in pixels (in an SVG: units of its coordinates).
+    /// Longer side in pixels (in an SVG: units of its coordinates).
     pub pixels: u32,
     /// What colours say.
     pub colouring: Colouring,
@@ -37,13 +37,23 @@ impl Default for MapStyle {
     }
 }
 
+impl MapStyle {
+    /// Width and height of the picture of a box, in pixels.
+    pub(super) fn size(&self, bounds: Bounds) -> [u32; 2] {
+        let size = bounds.size() / bounds.size().max_element() * f64::from(self.pixels);
+        size.to_array().map(|n| n.round().max(1.0) as u32)
+    }
+}
+
 /// Draws a plan as an SVG document, the shaded relief embedded as a picture.
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<String, ExportError> {
     let relief = relief(plan, style);
-    let png = relief.raster(style.pixels.min(800))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
+    let small = MapStyle { pixels: style.pixels.min(800), ..*style };
+    let png = relief.raster(small.size(plan.area.bounds))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
+    let [width, height] = style.size(plan.area.bounds);
     let picture = Image::new()
-        .set("width", style.pixels)
-        .set("height", style.pixels)
+        .set("width", width)
+        .set("height", height)
         .set("preserveAspectRatio", "none")
         .set("href", format!("data:image/png;base64,{}", base64(&png)));
     Ok(document(plan, style, &relief, Some(picture)).to_string())
@@ -56,11 +66,13 @@ pub(super) fn relief(plan: &Plan<'_>, style: &MapStyle) -> Relief {
 
 /// Draws a plan; `picture` is the land that all else is drawn on.
 pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, picture: Option<Image>) -> Document {
-    let size = f64::from(style.pixels);
     let bounds = plan.area.bounds;
+    let size = DVec2::from_array(style.size(bounds).map(f64::from));
+    let longer = f64::from(style.pixels);
     let sheet = Sheet {
         size,
-        scale: size / bounds.size().x,
+        longer,
+        scale: longer / bounds.size().max_element(),
         corner: plan.area.origin.to_local(DVec2::new(bounds.min.x, bounds.max.y)),
         colouring: style.colouring,
     };
@@ -69,14 +81,15 @@ pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, pictu
     groups.push(sheet.streets(plan));
     groups.push(sheet.names(plan));
     groups.push(sheet.scale_bar());
-    let whole = Document::new().set("viewBox", (0.0, 0.0, size, size)).set("width", size).set("height", size);
+    let whole = Document::new().set("viewBox", (0.0, 0.0, size.x, size.y)).set("width", size.x).set("height", size.y);
     groups.into_iter().fold(picture.into_iter().fold(whole, Document::add), Document::add)
 }
 
 /// Where plan points lie on the drawing.
 struct Sheet {
-    /// Width and height in pixels.
-    size: f64,
+    /// Width and height in pixels, and the longer of the two.
+    size: DVec2,
+    longer: f64,
     /// Pixels per metre.
     scale: f64,
     /// North-west corner, local to the area.
@@ -111,7 +124,7 @@ impl Sheet {
             while level < high {
                 let index = (level / step).round() as i64 % 5 == 0;
                 let mut data = String::new();
-                relief.rings(self.size, level, |s| s.height).iter().for_each(|r| trace(&mut data, r, true));
+                relief.rings(self.longer, level, |s| s.height).iter().for_each(|r| trace(&mut data, r, true));
                 let width = if index { 0.9 } else { 0.45 };
                 let contour = Path::new().set("d", data).set("stroke", "#8a6f4a").set("stroke-width", width);
                 group = group.add(contour.set("stroke-opacity", if index { 0.4 } else { 0.28 }));
@@ -120,8 +133,8 @@ impl Sheet {
         }
         for (depth, fill) in [(0.0, "#a9cfe6"), (3.0, "#9cc5df"), (10.0, "#8eb9d7"), (30.0, "#80accc")] {
             let (rings, shore) = match depth {
-                0.0 => (relief.shores(self.size), "#6c9dbf"),
-                _ => (relief.rings(self.size, depth, |s| s.water_level - s.height), "none"),
+                0.0 => (relief.shores(self.longer), "#6c9dbf"),
+                _ => (relief.rings(self.longer, depth, |s| s.water_level - s.height), "none"),
             };
             let mut data = String::new();
             rings.iter().for_each(|r| trace(&mut data, r, true));
@@ -250,7 +263,7 @@ impl Sheet {
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
         for settlement in settlements {
-            let height = self.size / 1600.0
+            let height = self.longer / 1600.0
                 * match settlement.size {
                     SizeClass::City => 19.0,
                     SizeClass::Town => 14.0,
@@ -267,7 +280,7 @@ impl Sheet {
             let corner = centre + DVec2::new(-width, height) / 2.0;
             let half = DVec2::new(width, height) / 2.0;
             let around = Bounds::new(centre - half, centre + half);
-            let sheet = Bounds::new(DVec2::ZERO, DVec2::splat(self.size));
+            let sheet = Bounds::new(DVec2::ZERO, self.size);
             let around = around.grown(height / 2.0);
             if sheet.encloses(around) && !taken.iter().any(|t| t.overlaps(around)) {
                 taken.push(around);
@@ -279,9 +292,9 @@ impl Sheet {
 
     /// A bar of a round length at the lower left, a legend of colours above it where they need one, and a frame.
     fn scale_bar(&self) -> Group {
-        let unit = self.size / 1600.0;
-        let metres = nice(self.size / self.scale / 6.0);
-        let (from, length) = (DVec2::new(40.0, 1560.0) * unit, metres * self.scale);
+        let unit = self.longer / 1600.0;
+        let metres = nice((self.size.x / self.scale / 6.0).max(1.0));
+        let (from, length) = (DVec2::new(40.0 * unit, self.size.y - 40.0 * unit), metres * self.scale);
         let mut group = Group::new().set("id", "scale");
         let box_of = |at: DVec2, size: DVec2| {
             Rectangle::new().set("x", at.x).set("y", at.y).set("width", size.x).set("height", size.y)
@@ -308,7 +321,7 @@ impl Sheet {
                 group = group.add(write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit));
             }
         }
-        let frame = box_of(DVec2::ZERO, DVec2::splat(self.size)).set("fill", "none");
+        let frame = box_of(DVec2::ZERO, self.size).set("fill", "none");
         group.add(frame.set("stroke", "#5f574c").set("stroke-width", 2.0 * unit))
     }
 }

@@ -8,7 +8,7 @@ pub mod road;
 pub mod settlement;
 
 pub use outline::Outline;
-pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
+pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
     PerSize, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements, SizeClass,
 };

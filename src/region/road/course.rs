@@ -91,6 +91,10 @@ pub(super) fn courses(
     bounds: Bounds,
     cancel: &Cancel,
 ) -> Result<Vec<Arc<Course>>, LayerError> {
+    if let Some(finite) = &work.finite {
+        let found = finite.courses(tier).iter().filter(|c| c.passes(bounds, work.settings.step));
+        return Ok(found.cloned().collect());
+    }
     let size = LISTED_BY;
     let (min, max) = ((bounds.min / size).floor().as_i64vec2(), (bounds.max / size).floor().as_i64vec2());
     let mut out: Vec<Arc<Course>> = Vec::new();
@@ -170,7 +174,7 @@ fn course(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Resul
     Ok(found.0.clone())
 }
 
-fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Course>, LayerError> {
+pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Course>, LayerError> {
     cancel.check()?;
     let tier = tier_of(a, b);
     let t = work.settings.tier(tier);
@@ -178,7 +182,7 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     let wide = pair(work, tier, a, b, cancel)?;
     let spine = spine(work, t, a, b, &wide);
     let bounds = Bounds::of(spine.iter().copied()).grown(t.corridor);
-    let window = Window::around(bounds, step);
+    let window = work.window(bounds, step);
 
     let off = corridor(&spine, &window, step, t.corridor);
     let (mut sites, mut roads) = (Vec::new(), Vec::new());

@@ -32,6 +32,7 @@
 mod course;
 mod graph;
 mod lattice;
+mod network;
 mod pairs;
 mod piece;
 mod places;
@@ -42,6 +43,7 @@ mod site;
 #[cfg(test)]
 mod tests;
 
+pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub use settings::{RoadSettings, TierSettings};
 
 use crate::layer::{Cancel, LayerCache, LayerError};
@@ -108,6 +110,8 @@ struct Work {
     settings: RoadSettings,
     terrain: Arc<dyn Terrain>,
     places: Arc<dyn Places>,
+    /// What is different in a finite domain; `None` in the endless world.
+    finite: Option<network::Finite>,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
     candidates: LayerCache<SettlementId, site::Candidates>,
@@ -136,6 +140,7 @@ impl Work {
             settings: settings.clone(),
             terrain,
             places,
+            finite: None,
             samples: LayerCache::new(share(8)),
             pairs: LayerCache::new(share(3)),
             candidates: LayerCache::new(share(1)),
@@ -154,7 +159,36 @@ impl Work {
     }
 
     fn site(&self, s: &Settlement) -> Result<Arc<site::Site>, LayerError> {
-        self.sites.get(&s.id, || site::site(self, s))
+        self.sites.get(&s.id, || match &self.finite {
+            Some(finite) if finite.is_node(s) => finite.site(self, s),
+            _ => site::site(self, s),
+        })
+    }
+
+    /// The nodes of a box that a search may use: in a finite domain, none outside of it.
+    fn window(&self, bounds: Bounds, step: i64) -> search::Window {
+        let window = search::Window::around(bounds, step);
+        self.finite.as_ref().map_or(window, |f| f.clip(window, step))
+    }
+
+    /// The node that stands for a settlement's centre.
+    fn centre_node(&self, s: &Settlement, step: i64) -> I64Vec2 {
+        let near = || lattice::node_near(s.centre.plan(), step);
+        self.finite.as_ref().map_or_else(near, |f| f.centre_node(self, s, step))
+    }
+
+    fn link(&self, course: &course::Course) -> Link {
+        let line = course.line(self.settings.step);
+        Link {
+            id: course.id,
+            from: course.ends[0].settlement,
+            to: course.ends[1].settlement,
+            class: course.class,
+            length_m: crate::space::line_length(&line),
+            cost: course.cost,
+            bridges: piece::bridges(self, &line),
+            tunnels: 0,
+        }
     }
 
     fn graph(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
@@ -250,17 +284,7 @@ impl Roads {
                     if out.iter().any(|l| l.id == course.id) {
                         continue;
                     }
-                    let line = course.line(self.work.settings.step);
-                    out.push(Arc::new(Link {
-                        id: course.id,
-                        from: course.ends[0].settlement,
-                        to: course.ends[1].settlement,
-                        class: course.class,
-                        length_m: crate::space::line_length(&line),
-                        cost: course.cost,
-                        bridges: piece::bridges(&self.work, &line),
-                        tunnels: 0,
-                    }));
+                    out.push(Arc::new(self.work.link(&course)));
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Distances between settlements over the ground, and the proximity rule that keeps some of their pairs.
 
-use super::lattice::{Samples, cost_per_metre, kernel, node_at, node_near, stencil_distance};
+use super::lattice::{Samples, cost_per_metre, kernel, node_at, stencil_distance};
 use super::search::{Task, Window, search};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
@@ -67,7 +67,7 @@ pub(super) fn pair(
         let t = work.settings.tier(tier);
         let step = work.settings.step * t.wide_step;
         let length = beeline(a, b);
-        let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
+        let (from, to) = (work.centre_node(a, step), work.centre_node(b, step));
         let line = stencil_distance(to - from) * step as f64;
         if from == to {
             return Ok(Pair { cost: length, nodes: vec![from] });
@@ -75,7 +75,7 @@ pub(super) fn pair(
         let across = (to - from).as_dvec2().length();
         let limit = t.detour * line;
         let bounds = ellipse_bounds(node_at(from, step), node_at(to, step), limit);
-        let window = Window::around(bounds, step);
+        let window = work.window(bounds, step);
         let repel = repulsion(work, t, tier, [a, b], &window, step)?;
         let mut samples = Samples::new(&work.samples, &*work.terrain, step, &window);
         let task = Task {

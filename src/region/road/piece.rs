@@ -72,7 +72,7 @@ impl Walk<'_> {
         loop {
             let graph = self.graph(at.tile())?;
             let next = match graph.vertices.get(&at) {
-                Some(v) if v.ways.len() == 2 => v.ways.iter().map(|w| w.to).find(|to| *to != before),
+                Some(v) if v.ways.len() == 2 && !at.is_gate() => v.ways.iter().map(|w| w.to).find(|to| *to != before),
                 _ => None,
             };
             // A ring without a junction would come back to its start.
