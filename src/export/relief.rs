@@ -18,12 +18,16 @@ pub(crate) struct Relief {
     step: f64,
     /// Terrain at (column, row) in element `row * (size[0] + 3) + column`, from one step beyond the north-west corner.
     samples: Vec<TerrainSample>,
+    /// How many times steeper the land is drawn than it is.
+    steeper: f64,
     /// How far the water stands above the ground there, in metres; where steps are long, the most around that point.
     wet: Vec<f64>,
 }
 
 /// Steps longer than this, in metres, would miss most of a river.
 const FINE: f64 = 6.0;
+/// Greatest mean slope that is drawn.
+const STEEPEST: f64 = 0.4;
 /// Ground further above its water than this, in metres, has no river beside it.
 const DRY: f64 = 4.0;
 
@@ -53,7 +57,12 @@ impl Relief {
             // Evened out, and in favour of water: what is a cell wide stays joined, also across the diagonal.
             wet.iter_mut().for_each(|w| *w = w.clamp(-1.0, 1.5));
         }
-        Self { steps, size, step, samples, wet }
+        // From far off the same hills look flatter: what is drawn is steeper the longer the step. But where most of the land is
+        // steep, shades must still differ.
+        let rises = samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
+        let (sum, count) = rises.fold((0.0, 1.0), |(sum, count), rise| (sum + rise, count + 1.0));
+        let steeper = (2.2 * pow((step / 4.0).max(0.25), 0.15)).min(STEEPEST / (sum / count));
+        Self { steps, size, step, samples, steeper, wet }
     }
 
     /// Rings around water, as [`Relief::rings`].
@@ -79,8 +88,7 @@ impl Relief {
             self.at(c + 1, r).height - self.at(c - 1, r).height,
             self.at(c, r - 1).height - self.at(c, r + 1).height,
         ) / (2.0 * self.step);
-        // From far off the same hills look flatter: what is drawn is steeper the longer the step.
-        let steeper = 2.2 * pow((self.step / 4.0).max(0.25), 0.15);
+        let steeper = self.steeper;
         let light = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
         let normal = DVec3::new(-slope.x * steeper, -slope.y * steeper, 1.0).normalize();
         let shade = normal.dot(light) / light.z - 1.0;

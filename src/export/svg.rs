@@ -4,13 +4,14 @@ use crate::export::relief::Relief;
 use crate::export::{ExportError, Plan, glyphs, narrowest_first};
 use crate::network::{Street, StreetClass};
 use crate::parcel::BlockUse;
-use crate::region::SizeClass;
+use crate::region::{Settlement, SizeClass};
 use crate::space::Bounds;
 use crate::streets::MadeBy;
 use glam::DVec2;
 use std::fmt::Write;
+use std::sync::Arc;
 use svg::Document;
-use svg::node::element::{Group, Image, Path, Rectangle, Title};
+use svg::node::element::{Circle, Group, Image, Path, Rectangle, Title};
 
 /// What the colour of a street says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,6 +80,9 @@ pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, pictu
     let mut groups = vec![sheet.ground(relief)];
     groups.extend(sheet.parcels(plan));
     groups.push(sheet.streets(plan));
+    if plan.area.blocks.is_empty() {
+        groups.push(sheet.symbols(plan));
+    }
     groups.push(sheet.names(plan));
     groups.push(sheet.scale_bar());
     let whole = Document::new().set("viewBox", (0.0, 0.0, size.x, size.y)).set("width", size.x).set("height", size.y);
@@ -248,10 +252,25 @@ impl Sheet {
             let path = Path::new()
                 .set("d", data)
                 .set("stroke", pen.colour)
-                .set("stroke-width", (pen.width * 100.0).round() / 100.0)
+                .set("stroke-width", round(pen.width))
                 .set("stroke-linecap", if pen.dashed { "butt" } else { pen.cap });
             group.add(if pen.dashed { path.set("stroke-dasharray", (4, 3)) } else { path })
         })
+    }
+
+    /// A ring for each settlement that would be hardly seen at its size; villages first, so that cities lie on top.
+    fn symbols(&self, plan: &Plan<'_>) -> Group {
+        let mut group = Group::new().set("id", "symbols").set("fill", "#fffdf6").set("stroke", "#3c372f");
+        for size in SizeClass::ALL.into_iter().rev() {
+            let radius = symbol(size) * self.longer / 1600.0;
+            let small = |s: &&Arc<Settlement>| s.size == size && s.radius * self.scale < 1.3 * radius;
+            for settlement in plan.area.settlements.iter().filter(small) {
+                let at = self.place(plan.area.origin.to_local(settlement.centre.plan()));
+                let ring = Circle::new().set("cx", round(at.x)).set("cy", round(at.y)).set("r", round(radius));
+                group = group.add(ring.set("stroke-width", round(0.32 * radius)));
+            }
+        }
+        group
     }
 
     /// Names of settlements, the largest first; one that would lie on another is left out.
@@ -262,7 +281,7 @@ impl Sheet {
         taken.iter_mut().for_each(|b| *b = Bounds::new(b.min * self.size, b.max * self.size));
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
-        for settlement in settlements {
+        for settlement in &settlements {
             let height = self.longer / 1600.0
                 * match settlement.size {
                     SizeClass::City => 19.0,
@@ -270,8 +289,9 @@ impl Sheet {
                     SizeClass::Village => 10.0,
                 };
             let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
-            let radius = settlement.radius * self.scale;
-            if settlement.size == SizeClass::Village && radius < 7.0 {
+            let shown = settlement.radius * self.scale;
+            let radius = shown.max(symbol(settlement.size) * self.longer / 1600.0);
+            if settlement.size == SizeClass::Village && shown < 7.0 && settlements.len() > MANY {
                 continue;
             }
             // In the middle of a town that holds it, above one that does not.
@@ -344,6 +364,23 @@ fn origin_name(made_by: Option<MadeBy>) -> &'static str {
         Some(MadeBy::Growth) => "growth",
         Some(MadeBy::Repair) => "repair",
     }
+}
+
+/// Maps with more settlements than this leave out the names of small villages.
+const MANY: usize = 120;
+
+/// Radius of the ring that stands for a settlement, on a map of 1600 pixels.
+fn symbol(size: SizeClass) -> f64 {
+    match size {
+        SizeClass::City => 6.5,
+        SizeClass::Town => 4.6,
+        SizeClass::Village => 2.9,
+    }
+}
+
+/// A number in hundredths.
+fn round(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0
 }
 
 /// Adds a polyline or ring to path data, in hundredths of a pixel.
