@@ -118,8 +118,8 @@ fn usual_step(domain: Bounds, cell: f64, settlements: &[Settlement]) -> i64 {
         settlements[..i].iter().map(|b| a.centre.offset_to(b.centre).length())
     });
     let nearest = apart.fold(f64::INFINITY, f64::min);
-    // Rounded down, or the two nearest settlements would be nearer than a step.
-    usual.min(nearest).max(longest / NODES.1).clamp(10.0, 20_000.0) as i64
+    // Two settlements must not be nearer than 1.5 steps; rounded down, or they would be.
+    usual.min(nearest / 1.5).max(longest / NODES.1).clamp(10.0, 20_000.0) as i64
 }
 
 /// A settings file as it is written, and what it says.

@@ -160,7 +160,7 @@ impl Work {
 
     fn site(&self, s: &Settlement) -> Result<Arc<site::Site>, LayerError> {
         self.sites.get(&s.id, || match &self.finite {
-            Some(finite) if finite.is_node(s) => finite.site(self, s),
+            Some(finite) if finite.is_node(s) => Ok(finite.site(s)),
             _ => site::site(self, s),
         })
     }
@@ -174,7 +174,7 @@ impl Work {
     /// The node that stands for a settlement's centre.
     fn centre_node(&self, s: &Settlement, step: i64) -> I64Vec2 {
         let near = || lattice::node_near(s.centre.plan(), step);
-        self.finite.as_ref().map_or_else(near, |f| f.centre_node(self, s, step))
+        self.finite.as_ref().map_or_else(near, |f| f.centre_node(&*self.terrain, s, step))
     }
 
     fn link(&self, course: &course::Course) -> Link {

@@ -2,8 +2,8 @@
 //! 2011, sections 4 to 6).
 //!
 //! Nothing outside of the domain is read or built on. Every pair of settlements within the settings' reach is a candidate.
-//! A settlement too small for the lattice is a node, at whose centre roads end (`node`); a larger one has a disc with gates, shrunk
-//! where a neighbour is near (`places`).
+//! A settlement too small for the lattice is a node: roads end at its centre, or pass through it (`node`). A larger one has a disc
+//! with gates, shrunk where a neighbour is near (`places`).
 
 mod node;
 mod parallel;
@@ -13,7 +13,7 @@ mod settings;
 mod tests;
 
 use super::course::{Course, find};
-use super::lattice::{node_at, node_near};
+use super::lattice::node_at;
 use super::pairs::{beeline, hopeless, kept, tier_of};
 use super::search::Window;
 use super::{Link, Road, RoadSettings, Work, graph};
@@ -23,6 +23,7 @@ use crate::region::{Outline, Settlement, SettlementId, SizeClass};
 use crate::space::{Bounds, Origin};
 use crate::terrain::{Scan, Terrain, TerrainSample};
 use glam::{DVec2, I64Vec2};
+use node::Nodes;
 use parallel::each;
 use places::Listed;
 use std::collections::BTreeMap;
@@ -34,8 +35,8 @@ const MOST_NODES: f64 = 4_194_304.0;
 const BYTES: usize = 1 << 30;
 /// How much wider the corridor is, of a pair whose road found no way in it, in the second and third try.
 const WIDER: [f64; 2] = [3.0, 12.0];
-/// How far a centre may be from the dry node that stands for it, in nodes.
-const FARTHEST_NODE: i64 = 3;
+/// Least distance of two settlements, in steps of the lattice: no node is the nearest to both.
+const LEAST_APART: f64 = 1.5;
 
 /// Why a network cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -117,6 +118,7 @@ pub struct RoadNetwork {
 pub(super) struct Finite {
     bounds: Bounds,
     places: Arc<Listed>,
+    nodes: Nodes,
     /// Courses of villages, towns and cities, as far as they are found, each sorted by id.
     courses: [Vec<Arc<Course>>; 3],
 }
@@ -132,6 +134,11 @@ impl Finite {
         self.places.is_node(s.id)
     }
 
+    /// The settlement that a node stands for.
+    pub fn settlement(&self, node: I64Vec2) -> Option<SettlementId> {
+        self.nodes.settlement(node)
+    }
+
     /// First and last node in the domain.
     fn range(&self, step: i64) -> (I64Vec2, I64Vec2) {
         let s = step as f64;
@@ -143,25 +150,6 @@ impl Finite {
         let (low, high) = self.range(step);
         let (min, max) = (window.min.max(low), (window.min + window.size - 1).min(high));
         Window { min, size: (max - min + 1).max(I64Vec2::ZERO) }
-    }
-
-    /// The node that stands for a settlement's centre: the nearest dry one, where one is near, in the domain.
-    pub fn centre_node(&self, work: &Work, s: &Settlement, step: i64) -> I64Vec2 {
-        let (low, high) = self.range(step);
-        let centre = s.centre.plan();
-        let near = node_near(centre, step).clamp(low, high);
-        let is_dry = |node: I64Vec2| work.terrain.sample(node_at(node, step)).depth() == 0.0;
-        if is_dry(near) {
-            return near;
-        }
-        let side = 2 * FARTHEST_NODE + 1;
-        let around = (0..side * side).map(|i| near + I64Vec2::new(i % side, i / side) - FARTHEST_NODE);
-        let inside = around.filter(|n| n.cmpge(low).all() && n.cmple(high).all() && is_dry(*n));
-        inside.min_by(|a, b| {
-            let from = |n: &I64Vec2| node_at(*n, step).distance_squared(centre);
-            from(a).total_cmp(&from(b)).then(a.to_array().cmp(&b.to_array()))
-        })
-        .unwrap_or(near)
     }
 }
 
@@ -188,7 +176,7 @@ impl RoadNetwork {
     ///
     /// Fails on settings out of range ([`RoadSettings::check_finite`]), on a domain with fewer than 4 or more than 4 Mi nodes
     /// of the lattice, on fewer than two settlements, and on a settlement outside of the domain, under water, with an id
-    /// that another has, or nearer than a step of the lattice to another.
+    /// that another has, or nearer than 1.5 steps of the lattice to another.
     pub fn build(
         domain: Bounds,
         terrain: Arc<dyn Terrain>,
@@ -243,9 +231,10 @@ impl RoadNetwork {
         let tiles: Vec<I64Vec2> =
             (min.y..=max.y).flat_map(|y| (min.x..=max.x).map(move |x| I64Vec2::new(x, y))).collect();
         let pieces = each(task, "shaping roads", &tiles, |tile| work.tile(*tile, &task.cancel))?;
-        let mut roads: Vec<Arc<Road>> = pieces.iter().flat_map(|p| p.0.iter().cloned()).collect();
+        let mut roads: Vec<&Arc<Road>> = pieces.iter().flat_map(|p| &p.0).collect();
         roads.sort_by_key(|r| r.street.id);
         roads.dedup_by_key(|r| r.street.id);
+        let roads = roads.into_iter().map(|r| finite.nodes.bend(r)).collect();
         let outline = |s: &Arc<Settlement>| {
             let stop = finite.places.stop(s.id).cloned();
             stop.unwrap_or_else(|| Arc::new(places::disc(s, s.radius, 1)))
@@ -286,8 +275,9 @@ fn new_work(
     nodes: &[SettlementId],
 ) -> Work {
     let places = Arc::new(Listed::new(all, settings.step, nodes));
+    let nodes = Nodes::new(&places, domain, &*terrain, settings.step);
     let mut work = Work::new(settings, terrain, places.clone(), BYTES);
-    work.finite = Some(Finite { bounds: domain, places, courses: Default::default() });
+    work.finite = Some(Finite { bounds: domain, places, nodes, courses: Default::default() });
     work
 }
 
@@ -360,10 +350,10 @@ fn check_settlements(
             if other.id == s.id {
                 return wrong(format!("{} has the id of {}; allowed is each once", s.name, other.name));
             }
-            if apart < step as f64 {
+            if apart < LEAST_APART * step as f64 {
                 return wrong(format!(
-                    "{} lies {apart:.0} m from {}; allowed is the step of the lattice, {step} m, or more",
-                    s.name, other.name
+                    "{} lies {apart:.0} m from {}; allowed are {LEAST_APART} steps of the lattice, {:.0} m, or more",
+                    s.name, other.name, LEAST_APART * step as f64
                 ));
             }
         }

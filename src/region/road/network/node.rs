@@ -1,97 +1,146 @@
-//! Settlements too small for the lattice: a settlement whose disc would be smaller than 1.5 steps is a node. Roads end
-//! at its centre.
+//! Settlements too small for the lattice: a settlement whose disc would be smaller than 1.5 steps is a node.
 //!
-//! The centre is joined to the nodes around it by ties, all with the centre as their gate. Lattice edges that would come near
-//! a tie other than at its end are closed, and so are those that pass by the centre: who goes through, goes through the
-//! settlement.
+//! The nearest node of the lattice stands for it; roads end there and pass through. When all roads have their form, the plane
+//! around that node is bent smoothly, without folds, so that the node comes to lie at the settlement's centre. Where nodes of
+//! two settlements are neighbours, or the nearest nodes are under water, it comes only part of the way.
 
+use super::places::Listed;
 use super::Finite;
-use crate::layer::LayerError;
-use crate::region::Settlement;
-use crate::region::road::Work;
-use crate::region::road::lattice::{STENCIL, node_at, node_near};
+use crate::region::road::Road;
+use crate::region::road::lattice::{node_at, node_near};
 use crate::region::road::search::Window;
 use crate::region::road::site::{Site, Tie};
-use crate::space::{distance_to_segment, math::angle_between, segment_distance};
+use crate::region::{Settlement, SettlementId};
+use crate::space::{Bounds, quantize, segments};
+use crate::terrain::Terrain;
 use glam::{DVec2, I64Vec2};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// Least and greatest length of a tie, in steps: wherever the centre is, four nodes or more lie between the two. Nothing
-/// passes a centre nearer than the first.
-const TIE: (f64, f64) = (0.35, 1.3);
-/// Distance in steps that ties keep from each other and from edges that they do not meet.
-const CLEAR: f64 = 0.1;
-/// Least angle between a tie and an edge at its end.
-const LEAST_ANGLE: f64 = 0.4;
-/// How far around the centre edges may be closed, in steps: an edge is two long, and so a tie's length more may be.
-const AROUND: i64 = 4;
+/// A node stands for a settlement at most this many nodes away.
+const FARTHEST: i64 = 3;
+/// Greatest shift of a node in steps along each axis: alone, and beside another that is shifted. With these nothing folds:
+/// the determinant of the map is 1 less at most 0.99.
+const SHIFT: (f64, f64) = (0.5, 0.12);
+/// Segments of roads that are bent, in steps.
+const FINE: f64 = 0.125;
 
-impl Finite {
-    /// Ties of a settlement that is a node, and the edges that it closes.
-    pub fn site(&self, work: &Work, s: &Settlement) -> Result<Site, LayerError> {
-        let step = work.settings.step;
-        let centre = s.centre.plan();
-        let ends: Vec<DVec2> = self.tie_ends(work, s).iter().map(|n| node_at(*n, step) - centre).collect();
-        let free = |end: &DVec2| {
-            self.nodes_near(s, AROUND as f64 * step as f64).all(|other| {
-                let shift = s.centre.offset_to(other.centre);
-                // Of two ties in each other's way, that of the settlement with the higher id goes.
-                let theirs = if other.id < s.id { self.tie_ends(work, other) } else { Vec::new() };
-                theirs.iter().map(|n| node_at(*n, step) - other.centre.plan()).all(|their| {
-                    their == *end + shift
-                        || segment_distance(DVec2::ZERO, their, shift, *end + shift) > CLEAR * step as f64
-                })
-            })
-        };
-        let free: Vec<DVec2> = ends.into_iter().filter(free).collect();
-        let ties = free.iter().map(|end| Tie {
-            vertex: 0,
-            gate: DVec2::ZERO,
-            node: node_near(centre + *end, step),
-            way: end.length(),
-        });
-        let near = node_near(centre, step);
-        let window = Window { min: near - AROUND, size: I64Vec2::splat(2 * AROUND + 1) };
-        let closed = (0..window.len()).map(|index| {
-            let node = window.node(index);
-            let closes = |s: &I64Vec2| is_closed(node_at(node, step) - centre, node_at(node + *s, step) - centre, &free, step);
-            STENCIL.iter().enumerate().fold(0, |bits, (heading, s)| bits | u16::from(closes(s)) << heading)
-        });
-        Ok(Site { ties: ties.collect(), window, closed: closed.collect() })
+/// Nodes that stand for settlements.
+#[derive(Default)]
+pub(super) struct Nodes {
+    pub of: BTreeMap<SettlementId, I64Vec2>,
+    at: BTreeMap<[i64; 2], SettlementId>,
+    /// How far the node at a place is shifted, in metres.
+    shift: BTreeMap<[i64; 2], DVec2>,
+    step: i64,
+}
+
+impl Nodes {
+    /// A node for each settlement of a domain that is one: the nearest dry one that is free, in turn by id.
+    pub fn new(places: &Listed, domain: Bounds, terrain: &dyn Terrain, step: i64) -> Self {
+        let mut out = Self { step, ..Self::default() };
+        for s in places.all.iter().filter(|s| places.is_node(s.id)) {
+            let centre = s.centre.plan();
+            let free = |n: I64Vec2| !out.at.contains_key(&n.to_array()) && domain.contains(node_at(n, step));
+            let nearest = |dry: bool| {
+                let fits = |n: &I64Vec2| free(*n) && (!dry || terrain.sample(node_at(*n, step)).depth() == 0.0);
+                around(node_near(centre, step)).filter(fits).min_by(|a, b| nearer(*a, *b, centre, step))
+            };
+            if let Some(node) = nearest(true).or_else(|| nearest(false)) {
+                out.of.insert(s.id, node);
+                out.at.insert(node.to_array(), s.id);
+            }
+        }
+        for s in &places.all {
+            let Some(node) = out.of.get(&s.id).copied() else { continue };
+            let beside = |n: I64Vec2| n != node && (n - node).abs().max_element() == 1;
+            let alone = !around(node).any(|n| beside(n) && out.at.contains_key(&n.to_array()));
+            let most = step as f64 * if alone { SHIFT.0 } else { SHIFT.1 };
+            let shift = s.centre.plan() - node_at(node, step);
+            out.shift.insert(node.to_array(), shift.clamp(DVec2::splat(-most), DVec2::splat(most)));
+        }
+        out
     }
 
-    /// Nodes that ties may lead to: at the right distance, in the domain, off other centres, and dry if any are.
-    fn tie_ends(&self, work: &Work, s: &Settlement) -> Vec<I64Vec2> {
-        let (step, centre) = (work.settings.step, s.centre.plan());
-        let steps = step as f64;
-        let near = node_near(centre, step);
-        let around = (0..25).map(|i| near + I64Vec2::new(i % 5 - 2, i / 5 - 2));
-        let fits = |node: &I64Vec2| {
-            let end = node_at(*node, step) - centre;
-            (TIE.0 * steps..=TIE.1 * steps).contains(&end.length())
-                && self.bounds.contains(node_at(*node, step))
-                && self.nodes_near(s, 3.0 * steps).all(|other| {
-                    distance_to_segment(other.centre.offset_to(s.centre), DVec2::ZERO, end) >= TIE.0 * steps
-                })
-        };
-        let all: Vec<I64Vec2> = around.filter(fits).collect();
-        let is_dry = |node: &&I64Vec2| work.terrain.sample(node_at(**node, step)).depth() == 0.0;
-        let dry: Vec<I64Vec2> = all.iter().filter(is_dry).copied().collect();
-        if dry.is_empty() { all } else { dry }
+    /// The settlement that a node stands for.
+    pub fn settlement(&self, node: I64Vec2) -> Option<SettlementId> {
+        self.at.get(&node.to_array()).copied()
     }
 
-    /// Other settlements that are nodes, with centres within `distance` metres.
-    fn nodes_near<'a>(&'a self, s: &'a Settlement, distance: f64) -> impl Iterator<Item = &'a Settlement> {
-        let near = move |o: &&Settlement| o.id != s.id && o.centre.offset_to(s.centre).length() <= distance;
-        self.places.all.iter().map(|o| &**o).filter(|o| self.is_node(o)).filter(near)
+    /// Where a plan point comes to lie.
+    fn bent(&self, p: DVec2) -> DVec2 {
+        let first = (p / self.step as f64).floor().as_i64vec2();
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| first + I64Vec2::new(x, y));
+        corners.into_iter().fold(p, |out, node| match self.shift.get(&node.to_array()) {
+            Some(shift) => {
+                let off = (p - node_at(node, self.step)) / self.step as f64;
+                out + *shift * bump(off.x) * bump(off.y)
+            }
+            None => out,
+        })
+    }
+
+    /// A piece of road on the bent plane.
+    pub fn bend(&self, road: &Arc<Road>) -> Arc<Road> {
+        let step = self.step as f64;
+        let touched = |a: DVec2, b: DVec2| {
+            let low = (a.min(b) / step).floor().as_i64vec2();
+            let high = (a.max(b) / step).floor().as_i64vec2() + 1;
+            (low.x..=high.x).any(|x| (low.y..=high.y).any(|y| self.shift.contains_key(&[x, y])))
+        };
+        let plan = |p: DVec2| road.origin.to_plan(p);
+        let line = &road.street.line;
+        if !segments(line).any(|(a, b)| touched(plan(a), plan(b))) {
+            return road.clone();
+        }
+        let mut out = vec![self.bent(plan(line[0]))];
+        for (a, b) in segments(line) {
+            let count = if touched(plan(a), plan(b)) { (a.distance(b) / (FINE * step)).ceil().max(1.0) } else { 1.0 };
+            out.extend((1..=count as usize).map(|i| self.bent(plan(a.lerp(b, i as f64 / count)))));
+        }
+        let mut bent = Road::clone(road);
+        bent.street.line = out.into_iter().map(|p| quantize(road.origin.to_local(p))).collect();
+        bent.street.line.dedup();
+        Arc::new(bent)
     }
 }
 
-/// Whether the edge from `p` to `q` is closed by a centre at (0, 0) or by one of its ties to `ends`.
-fn is_closed(p: DVec2, q: DVec2, ends: &[DVec2], step: i64) -> bool {
-    let steps = step as f64;
-    let comes_near = |end: &DVec2| match [(p, q), (q, p)].into_iter().find(|(a, _)| a == end) {
-        Some((_, far)) => angle_between(-*end, far - *end) < LEAST_ANGLE,
-        None => segment_distance(p, q, DVec2::ZERO, *end) < CLEAR * steps,
-    };
-    distance_to_segment(DVec2::ZERO, p, q) < TIE.0 * steps || ends.iter().any(comes_near)
+/// 1 at 0, 0 from 1 on, smooth.
+fn bump(x: f64) -> f64 {
+    let x = x.abs().min(1.0);
+    (1.0 - x) * (1.0 - x) * (1.0 + 2.0 * x)
+}
+
+/// Nodes around a node, itself included.
+fn around(node: I64Vec2) -> impl Iterator<Item = I64Vec2> {
+    let side = 2 * FARTHEST + 1;
+    (0..side * side).map(move |i| node + I64Vec2::new(i % side, i / side) - FARTHEST)
+}
+
+/// Which of two nodes is nearer to a plan point.
+fn nearer(a: I64Vec2, b: I64Vec2, to: DVec2, step: i64) -> std::cmp::Ordering {
+    let from = |n: I64Vec2| node_at(n, step).distance_squared(to);
+    from(a).total_cmp(&from(b)).then(a.to_array().cmp(&b.to_array()))
+}
+
+impl Finite {
+    /// Where roads end at a settlement that is a node. It closes nothing.
+    pub fn site(&self, s: &Settlement) -> Site {
+        let step = self.nodes.step;
+        let tie = |node: &I64Vec2| Tie { vertex: 0, gate: s.centre.to_local(node_at(*node, step)), node: *node, way: 0.0 };
+        let window = Window { min: I64Vec2::ZERO, size: I64Vec2::ZERO };
+        Site { ties: self.nodes.of.get(&s.id).map(tie).into_iter().collect(), window, closed: Vec::new() }
+    }
+
+    /// The node that stands for a settlement on a lattice of some step: the nearest dry one in the domain, if one is near.
+    pub fn centre_node(&self, terrain: &dyn Terrain, s: &Settlement, step: i64) -> I64Vec2 {
+        if let Some(node) = self.nodes.of.get(&s.id).filter(|_| step == self.nodes.step) {
+            return *node;
+        }
+        let (low, high) = self.range(step);
+        let near = node_near(s.centre.plan(), step).clamp(low, high);
+        let is_dry = |n: &I64Vec2| terrain.sample(node_at(*n, step)).depth() == 0.0;
+        let inside = around(near).filter(|n| n.cmpge(low).all() && n.cmple(high).all() && is_dry(n));
+        inside.min_by(|a, b| nearer(*a, *b, s.centre.plan(), step)).unwrap_or(near)
+    }
 }
