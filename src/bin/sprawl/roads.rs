@@ -240,8 +240,8 @@ fn report(network: &RoadNetwork) -> Json {
         let pieces = network.roads.iter().filter(|r| r.street.class == class);
         json!({
             "roads": links.len(),
-            "length_m": pieces.map(|r| r.street.length()).sum::<f64>(),
-            "cost": links.iter().map(|l| l.cost).sum::<f64>(),
+            "length_m": pieces.fold(0.0, |sum, r| sum + r.street.length()),
+            "cost": links.iter().fold(0.0, |sum, l| sum + l.cost),
         })
     };
     let classes = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor];

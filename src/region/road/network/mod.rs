@@ -263,7 +263,7 @@ impl RoadNetwork {
 
     /// Length of all pieces of road, in metres.
     pub fn length(&self) -> f64 {
-        self.roads.iter().map(|r| r.street.length()).sum()
+        self.roads.iter().fold(0.0, |sum, r| sum + r.street.length())
     }
 }
 

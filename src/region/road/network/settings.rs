@@ -5,24 +5,26 @@ use crate::region::{RoadSettings, TierSettings};
 
 /// Spacings of the lattice in metres.
 const STEPS: (i64, i64) = (10, 20_000);
-/// How much the limits on slopes are widened, so that no settlement is cut off by a limit alone: what lies beyond the
-/// endless world's limit is dear, not forbidden.
-const STEEPER: f64 = 3.0;
+/// Steepest slope of any road: what lies beyond the endless world's limits is dear, not forbidden, so that no settlement is
+/// cut off by a limit alone.
+const STEEPEST: f64 = 1.0;
+/// Greatest cost of a road over its beeline.
+const DETOUR: f64 = 40.0;
 
 impl RoadSettings {
     /// Settings for a [`RoadNetwork`](crate::region::RoadNetwork) on a lattice of `step` metres. They differ from the
     /// default so that no settlement is left out where land leads to it: every pair is a candidate, ways are searched on the
-    /// lattice itself, a road may cost many times its beeline, slopes up to three times the usual limit have the
-    /// cost that the usual rise of cost gives them, and lengths that depend on the lattice grow with it.
+    /// lattice itself, a road may cost 40 times its beeline, slopes beyond the usual limit have the cost that the
+    /// square of the slope gives them, and lengths that depend on the lattice grow with it.
     pub fn finite(step: i64) -> Self {
         let steps = step as f64;
         let tier = |t: TierSettings| TierSettings {
             reach: f64::INFINITY,
-            detour: 12.0,
+            detour: DETOUR,
             wide_step: 1,
             corridor: t.corridor.max(6.0 * steps),
-            slope: t.slope * STEEPER * STEEPER,
-            slope_limit: t.slope_limit * STEEPER,
+            slope: t.slope * (STEEPEST / t.slope_limit) * (STEEPEST / t.slope_limit),
+            slope_limit: STEEPEST,
             bridge_limit: t.bridge_limit.max(2.5 * steps),
             turn: t.turn * steps / 128.0,
             ..t
