@@ -34,7 +34,8 @@ const CASES: [Case; 6] = [
 
 /// Hills, mountains and a sea, as the paper's scenes have them, sampled once for each cell.
 fn ground(cells: usize) -> RasterTerrain {
-    let settings = TerrainSettings { continent_size: 150_000.0, mountain_height: 1_500.0, ..TerrainSettings::default() };
+    let settings =
+        TerrainSettings { continent_size: 150_000.0, mountain_height: 1_500.0, ..TerrainSettings::default() };
     let noise = NoiseTerrain::new(Seed(4), &settings);
     let step = EDGE / cells as f64;
     let at = |i: usize| DVec2::new((i % cells) as f64 + 0.5, (i / cells) as f64 + 0.5) * step;
@@ -48,9 +49,11 @@ fn ground(cells: usize) -> RasterTerrain {
 fn settlements(counts: [usize; 3], ground: &dyn Terrain) -> Vec<Settlement> {
     let mut random = Seed(9).stream("bench", &[]);
     let mut out: Vec<Settlement> = Vec::new();
-    for (size, count, radius) in
-        [(SizeClass::City, counts[0], 1_400.0), (SizeClass::Town, counts[1], 620.0), (SizeClass::Village, counts[2], 220.0)]
-    {
+    for (size, count, radius) in [
+        (SizeClass::City, counts[0], 1_400.0),
+        (SizeClass::Town, counts[1], 620.0),
+        (SizeClass::Village, counts[2], 220.0),
+    ] {
         let least = 0.45 * EDGE / (out.len() as f64 + count as f64).sqrt();
         let wanted = out.len() + count;
         while out.len() < wanted {

@@ -173,7 +173,9 @@ fn negative_places_work_in_both_forms() {
 
 /// Hills with a bay in the east, 60 by 40 cells of 250 m, and a CSV file of settlements; their paths.
 fn country(name: &str, settlements: &str) -> [String; 2] {
-    let height = |x: i32, y: i32| 30 + (x * 7 + y * 3) % 19 + 2 * ((x - 30) * (y - 20) / 40) - if x > 50 && y < 25 { 200 } else { 0 };
+    let height = |x: i32, y: i32| {
+        30 + (x * 7 + y * 3) % 19 + 2 * ((x - 30) * (y - 20) / 40) - if x > 50 && y < 25 { 200 } else { 0 }
+    };
     let rows: Vec<String> =
         (0..40).rev().map(|y| (0..60).map(|x| height(x, y).to_string()).collect::<Vec<_>>().join(" ")).collect();
     let head = "ncols 60\nnrows 40\nxllcorner 1000\nyllcorner -2000\ncellsize 250\n";
@@ -190,7 +192,8 @@ fn roads_of_a_finite_domain() {
     let [grid, towns] = country("country", TOWNS);
     let run = |gamma: &str, name: &str, more: &[&str]| {
         let path = file(name, "").to_string_lossy().into_owned();
-        let base = ["roads", "--terrain", &grid, "--settlements", &towns, "--gamma", gamma, "--sea-level", "-50", "-o", &path];
+        let base =
+            ["roads", "--terrain", &grid, "--settlements", &towns, "--gamma", gamma, "--sea-level", "-50", "-o", &path];
         (json(&[&base[..], more].concat()), std::fs::read(&path).expect("a file"))
     };
     let (report, map) = run("inf", "country.geojson", &[]);
@@ -209,7 +212,8 @@ fn roads_of_a_finite_domain() {
         assert!(picture.starts_with(magic), "{name}");
     }
     // A settings file changes what it names, and leaves the rest as it is without one.
-    let settings = file("country.ron", "(roads: (highway: (turn: 60), minor: (gamma: inf)))").to_string_lossy().into_owned();
+    let settings =
+        file("country.ron", "(roads: (highway: (turn: 60), minor: (gamma: inf)))").to_string_lossy().into_owned();
     let by_file = run("inf", "by_file.geojson", &["--settings", &settings]).0;
     assert_eq!(by_file["totals"]["roads"], report["totals"]["roads"]);
 }
@@ -217,7 +221,9 @@ fn roads_of_a_finite_domain() {
 #[test]
 fn roads_refuse_bad_input_in_one_line() {
     let [grid, towns] = country("hills", TOWNS);
-    let wrong = |name: &str, row: &str| country(name, &format!("name,x,y,sigma\nA,2000,1000,1\nB,9000,3000,0\n{row}"))[1].clone();
+    let wrong = |name: &str, row: &str| {
+        country(name, &format!("name,x,y,sigma\nA,2000,1000,1\nB,9000,3000,0\n{row}"))[1].clone()
+    };
     let outside = wrong("outside", "C,900,1000,0\n");
     let drowned = wrong("drowned", "C,15000,1000,0\n");
     let twice = wrong("twice", "C,9000,3000,0\n");
@@ -230,10 +236,15 @@ fn roads_refuse_bad_input_in_one_line() {
         (&grid, &outside, &[], "outside.csv:4:3: \"C\" at 900,1000 m lies outside of the domain"),
         (&grid, &drowned, &["--sea-level", "-50"], "drowned.csv:4:3: C at 15000,1000 m lies under"),
         (&grid, &twice, &[], "twice.csv:4:3: the place of line 3 again"),
-        (&grid, &near, &["--step", "250"], "near.csv:4:3: C lies 100 m from B; allowed are 1.5 steps of the lattice, 375 m"),
+        (
+            &grid,
+            &near,
+            &["--step", "250"],
+            "near.csv:4:3: C lies 100 m from B; allowed are 1.5 steps of the lattice, 375 m",
+        ),
         (&grid, &alone, &[], "alone.csv: 1 settlements; allowed are two or more"),
         (&grid, &towns, &["--gamma", "1"], "1.01 or more is allowed, or inf"),
-        (&grid, &towns, &["--step", "9000"], "is 10000; allowed is 18000"),
+        (&grid, &towns, &["--step", "9000"], "--step: step is 9000; allowed is "),
         (&grid, &towns, &["--settings", &bad], "bad-roads.ron:2:18: roads.minor.gamma is 0.5; allowed is 1.01 to inf"),
         (&grid, &towns, &["--geographic"], "box of the raster in degrees"),
         (&grid, "missing.csv", &[], "missing.csv: "),

@@ -59,7 +59,8 @@ impl Relief {
         }
         // From far off the same hills look flatter: what is drawn is steeper the longer the step. But where most of the land is
         // steep, shades must still differ.
-        let rises = samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
+        let rises =
+            samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
         let (sum, count) = rises.fold((0.0, 1.0), |(sum, count), rise| (sum + rise, count + 1.0));
         let steeper = (2.2 * pow((step / 4.0).max(0.25), 0.15)).min(STEEPEST / (sum / count));
         Self { steps, size, step, samples, steeper, wet }

@@ -50,7 +50,8 @@ impl MapStyle {
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<String, ExportError> {
     let relief = relief(plan, style);
     let small = MapStyle { pixels: style.pixels.min(800), ..*style };
-    let png = relief.raster(small.size(plan.area.bounds))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
+    let png =
+        relief.raster(small.size(plan.area.bounds))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
     let [width, height] = style.size(plan.area.bounds);
     let picture = Image::new()
         .set("width", width)

@@ -35,11 +35,8 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     };
     let settings = file.as_ref().map_or_else(Settings::default, |f| f.settings.clone());
     let raster = raster(args)?;
-    let geographic = if args.geographic {
-        Some(raster.geographic().map_err(|e| Fail::file(&args.terrain, e))?)
-    } else {
-        None
-    };
+    let geographic =
+        if args.geographic { Some(raster.geographic().map_err(|e| Fail::file(&args.terrain, e))?) } else { None };
     let (terrain, cell) = terrain(args, raster, geographic.as_ref())?;
     let domain = terrain.bounds();
     let table = {
@@ -59,8 +56,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let network = build(common, domain, terrain.clone(), &settlements, &roads).map_err(|e| refuse(e, &table, args))?;
     let built = start.elapsed();
     let area = export::network(&network, settings.chunk_size);
-    let plan =
-        Plan { area: &area, outlines: &network.outlines, terrain: &*terrain, chunk_size: settings.chunk_size };
+    let plan = Plan { area: &area, outlines: &network.outlines, terrain: &*terrain, chunk_size: settings.chunk_size };
     let style = MapStyle { pixels: args.pixels, ..MapStyle::default() };
     work::pool(common)?.install(|| write(&plan, format, &style, false, &mut out))?;
     let bytes = out.finish()?;
@@ -69,8 +65,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["file"] = json!(args.output.to_string_lossy());
     report["bytes"] = json!(bytes);
     report["step_m"] = json!(step);
-    report["timing_ms"] =
-        json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
+    report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
     work::print(common, &report, &people(&network, &report))
 }
 
@@ -84,7 +79,10 @@ fn raster(args: &RoadsArgs) -> Result<Raster, Fail> {
         }
         Some("png") => {
             let (Some(cell), Some(white)) = (args.cell, args.white) else {
-                return Err(Fail::file(&args.terrain, "a picture needs --cell and --white: the edge of a pixel, and the height of white"));
+                return Err(Fail::file(
+                    &args.terrain,
+                    "a picture needs --cell and --white: the edge of a pixel, and the height of white",
+                ));
             };
             let place = PngPlace { corner: args.corner, step: glam::DVec2::splat(cell), black: args.black, white };
             Ok(Raster::from_png(&name, &content, Band::Height, place)?)
@@ -94,11 +92,7 @@ fn raster(args: &RoadsArgs) -> Result<Raster, Fail> {
 }
 
 /// The ground, and the edge of its cells in metres where that is fit for a lattice.
-fn terrain(
-    args: &RoadsArgs,
-    raster: Raster,
-    geographic: Option<&Geographic>,
-) -> Result<(RasterTerrain, f64), Fail> {
+fn terrain(args: &RoadsArgs, raster: Raster, geographic: Option<&Geographic>) -> Result<(RasterTerrain, f64), Fail> {
     let wrong = |e: RangeError| Fail::file(&args.terrain, e);
     let raster = geographic.map_or_else(|| raster.clone(), |g| raster.clone().projected(g));
     let cell = if args.cell.is_some() { 0.0 } else { raster.step().max_element() };
@@ -114,9 +108,10 @@ fn terrain(
 fn usual_step(domain: Bounds, cell: f64, settlements: &[Settlement]) -> i64 {
     let longest = domain.size().max_element();
     let usual = if cell > 0.0 { cell } else { longest / NODES.0 };
-    let apart = settlements.iter().enumerate().flat_map(|(i, a)| {
-        settlements[..i].iter().map(|b| a.centre.offset_to(b.centre).length())
-    });
+    let apart = settlements
+        .iter()
+        .enumerate()
+        .flat_map(|(i, a)| settlements[..i].iter().map(|b| a.centre.offset_to(b.centre).length()));
     let nearest = apart.fold(f64::INFINITY, f64::min);
     // Two settlements must not be nearer than 1.5 steps; rounded down, or they would be.
     usual.min(nearest / 1.5).max(longest / NODES.1).clamp(10.0, 20_000.0) as i64
@@ -156,10 +151,13 @@ fn lay_over(under: Value, over: Value) -> Value {
         (Value::Map(mut under), Value::Map(over)) => {
             for (key, value) in over {
                 let held = under.remove(&key);
-                under.insert(key, match held {
-                    Some(held) => lay_over(held, value),
-                    None => value,
-                });
+                under.insert(
+                    key,
+                    match held {
+                        Some(held) => lay_over(held, value),
+                        None => value,
+                    },
+                );
             }
             Value::Map(under)
         }

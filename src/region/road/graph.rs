@@ -192,8 +192,7 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
         .map(|((a, h), class)| Edge { a: a.into(), b: I64Vec2::from(a) + STENCIL[h], class })
         .collect();
     for (e, points) in edges.iter().zip(crossings(&edges)) {
-        let keys: Vec<Key> =
-            points.into_iter().map(|p| p + corner * PARTS).map(|p| key_at(work, p)).collect();
+        let keys: Vec<Key> = points.into_iter().map(|p| p + corner * PARTS).map(|p| key_at(work, p)).collect();
         for pair in keys.windows(2) {
             join(&mut out, tile, (pair[0], pair[0].place(step)), (pair[1], pair[1].place(step)), e.class);
         }

@@ -26,7 +26,7 @@ use glam::{DVec2, I64Vec2};
 use node::Nodes;
 use parallel::each;
 use places::Listed;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Nodes that the lattice of a domain may have.
@@ -287,27 +287,64 @@ fn courses(work: &mut Work, tier: SizeClass, task: &NetworkTask<'_>) -> Result<V
     let all = work.places.of_tier(everywhere, tier)?;
     let t = work.settings.tier(tier).clone();
     let rows: Vec<usize> = (0..all.len()).collect();
-    let tried = each(task, "choosing pairs", &rows, |i| {
-        let a = &all[*i];
-        let wanted = |b: &&Arc<Settlement>| {
-            tier_of(a, b) == tier && beeline(a, b) <= t.reach && !hopeless(&t, a, b, &all)
+    let choose = |fits: &(dyn Fn(&Settlement, &Settlement) -> bool + Sync)| {
+        let row = |i: &usize| {
+            let a = &all[*i];
+            let wanted = |b: &&Arc<Settlement>| tier_of(a, b) == tier && beeline(a, b) <= t.reach && fits(a, b);
+            Ok(all[i + 1..].iter().filter(wanted).map(|b| (a, b)).collect::<Vec<_>>())
         };
-        Ok(all[i + 1..].iter().filter(wanted).map(|b| (a, b)).collect::<Vec<_>>())
-    })?;
-    let tried: Vec<_> = tried.into_iter().flatten().collect();
+        Ok(each(task, "choosing pairs", &rows, row)?.concat())
+    };
+    let mut wanted = choose(&|a, b| !hopeless(&t, a, b, &all))?;
+    let (mut out, mut tried): (Vec<Arc<Course>>, BTreeSet<_>) = Default::default();
+    // That a pair is hopeless is judged by beelines. In mountains these may lead astray: the cheapest way from one part of the
+    // network to the rest, which the proximity rule never rules out, is found among all pairs.
+    while !wanted.is_empty() {
+        let found = built(work, tier, &wanted, &all, task)?;
+        let stuck = found.is_empty() && !tried.is_empty();
+        out.extend(found);
+        tried.extend(wanted.iter().map(|(a, b)| (a.id, b.id)));
+        let parts = parts(&all, work.finite.iter().flat_map(|f| f.courses.iter().flatten()).chain(&out));
+        let apart = |a: &Settlement, b: &Settlement| parts.get(&a.id) != parts.get(&b.id);
+        wanted = if stuck { Vec::new() } else { choose(&|a, b| apart(a, b) && !tried.contains(&(a.id, b.id)))? };
+    }
+    out.sort_by_key(|c| c.id);
+    Ok(out)
+}
+
+/// Which settlements courses connect: those of one part have the same number.
+fn parts<'a>(all: &[Arc<Settlement>], courses: impl Iterator<Item = &'a Arc<Course>>) -> BTreeMap<SettlementId, usize> {
+    let mut part: BTreeMap<SettlementId, usize> = all.iter().enumerate().map(|(i, s)| (s.id, i)).collect();
+    for course in courses {
+        let ends = [0, 1].map(|i| part.get(&course.ends[i].settlement).copied());
+        if let [Some(a), Some(b)] = ends {
+            part.values_mut().filter(|p| **p == b).for_each(|p| *p = a);
+        }
+    }
+    part
+}
+
+/// Courses of the pairs among `tried` that the proximity rule keeps.
+fn built(
+    work: &mut Work,
+    tier: SizeClass,
+    tried: &[(&Arc<Settlement>, &Arc<Settlement>)],
+    all: &[Arc<Settlement>],
+    task: &NetworkTask<'_>,
+) -> Result<Vec<Arc<Course>>, LayerError> {
     let what = format!("finding {} roads", super::class_of(tier).name());
-    let keeps = each(task, &what, &tried, |(a, b)| kept(work, a, b, &all, &task.cancel))?;
-    let mut pairs: Vec<_> = tried.into_iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| p).collect();
+    let keeps = each(task, &what, tried, |(a, b)| kept(work, a, b, all, &task.cancel))?;
+    let mut pairs: Vec<_> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
     let mut out: Vec<Arc<Course>> = Vec::new();
+    let corridor = work.settings.tier(tier).corridor;
     for wider in [1.0].into_iter().chain(WIDER) {
-        work.settings.tier_mut(tier).corridor = t.corridor * wider;
+        work.settings.tier_mut(tier).corridor = corridor * wider;
         let found = each(task, &what, &pairs, |(a, b)| find(work, a, b, &task.cancel))?;
         let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| *p).collect();
         out.extend(found.into_iter().flatten().map(Arc::new));
         pairs = blocked;
     }
-    work.settings.tier_mut(tier).corridor = t.corridor;
-    out.sort_by_key(|c| c.id);
+    work.settings.tier_mut(tier).corridor = corridor;
     Ok(out)
 }
 
@@ -316,10 +353,10 @@ fn check_domain(domain: Bounds, step: i64) -> Result<(), RangeError> {
     for (field, at) in [("domain.min.x", domain.min.x), ("domain.min.y", domain.min.y)] {
         RangeError::check(field, at, -1e10, 1e10)?;
     }
-    RangeError::check("width of the domain", size.x, 2.0 * step as f64, 1e9)?;
-    RangeError::check("height of the domain", size.y, 2.0 * step as f64, 1e9)?;
+    RangeError::check("width of the domain", size.x, 0.0, 1e9)?;
+    RangeError::check("height of the domain", size.y, 0.0, 1e9)?;
     let least = (size.x * size.y / MOST_NODES).sqrt().ceil();
-    RangeError::check("step", step as f64, least, 20_000.0)
+    RangeError::check("step", step as f64, least, size.min_element() / 2.0)
 }
 
 fn check_settlements(
@@ -343,7 +380,10 @@ fn check_settlements(
         }
         let depth = terrain.sample(at).depth();
         if depth > 0.0 {
-            return wrong(format!("{} at {},{} m lies under {depth:.1} m of water; allowed is dry ground", s.name, at.x, at.y));
+            return wrong(format!(
+                "{} at {},{} m lies under {depth:.1} m of water; allowed is dry ground",
+                s.name, at.x, at.y
+            ));
         }
         for other in &settlements[..index] {
             let apart = s.centre.offset_to(other.centre).length();
@@ -353,7 +393,9 @@ fn check_settlements(
             if apart < LEAST_APART * step as f64 {
                 return wrong(format!(
                     "{} lies {apart:.0} m from {}; allowed are {LEAST_APART} steps of the lattice, {:.0} m, or more",
-                    s.name, other.name, LEAST_APART * step as f64
+                    s.name,
+                    other.name,
+                    LEAST_APART * step as f64
                 ));
             }
         }

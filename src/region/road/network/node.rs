@@ -4,8 +4,8 @@
 //! around that node is bent smoothly, without folds, so that the node comes to lie at the settlement's centre. Where nodes of
 //! two settlements are neighbours, or the nearest nodes are under water, it comes only part of the way.
 
-use super::places::Listed;
 use super::Finite;
+use super::places::Listed;
 use crate::region::road::Road;
 use crate::region::road::lattice::{node_at, node_near};
 use crate::region::road::search::Window;
@@ -127,7 +127,8 @@ impl Finite {
     /// Where roads end at a settlement that is a node. It closes nothing.
     pub fn site(&self, s: &Settlement) -> Site {
         let step = self.nodes.step;
-        let tie = |node: &I64Vec2| Tie { vertex: 0, gate: s.centre.to_local(node_at(*node, step)), node: *node, way: 0.0 };
+        let tie =
+            |node: &I64Vec2| Tie { vertex: 0, gate: s.centre.to_local(node_at(*node, step)), node: *node, way: 0.0 };
         let window = Window { min: I64Vec2::ZERO, size: I64Vec2::ZERO };
         Site { ties: self.nodes.of.get(&s.id).map(tie).into_iter().collect(), window, closed: Vec::new() }
     }

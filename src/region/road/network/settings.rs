@@ -41,7 +41,8 @@ impl RoadSettings {
         let mut rest = self.clone();
         rest.step = Self::default().step;
         for (name, t) in [("highway", &mut rest.highway), ("major", &mut rest.major), ("minor", &mut rest.minor)] {
-            let range = |field: &str, value, low, high| RangeError::check(field, value, low, high).map_err(|e| e.within(name));
+            let range =
+                |field: &str, value, low, high| RangeError::check(field, value, low, high).map_err(|e| e.within(name));
             range("reach", t.reach, 500.0, f64::INFINITY)?;
             range("gamma", t.gamma, 1.01, f64::INFINITY)?;
             range("detour", t.detour, 1.1, 1_000.0)?;
