@@ -245,7 +245,7 @@ fn roads_refuse_bad_input_in_one_line() {
         (&grid, &alone, &[], "alone.csv: 1 settlements; allowed are two or more"),
         (&grid, &towns, &["--gamma", "1"], "1.01 or more is allowed, or inf"),
         (&grid, &towns, &["--step", "9000"], "--step: step is 9000; allowed is "),
-        (&grid, &towns, &["--settings", &bad], "bad-roads.ron:2:18: roads.minor.gamma is 0.5; allowed is 1.01 to inf"),
+        (&grid, &towns, &["--settings", &bad], "bad-roads.ron:2:19: roads.minor.gamma is 0.5; allowed is 1.01 to inf"),
         (&grid, &towns, &["--geographic"], "box of the raster in degrees"),
         (&grid, "missing.csv", &[], "missing.csv: "),
         (&picture, &towns, &[], "a picture needs --cell and --white"),
