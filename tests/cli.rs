@@ -170,3 +170,92 @@ fn negative_places_work_in_both_forms() {
     let spaced = json(&["settlements", "--at", "-7000,-500", "--size", "9000"]);
     assert_eq!(spaced, json(&["settlements", "--at=-7000,-500", "--size=9000"]));
 }
+
+/// Hills with a bay in the east, 60 by 40 cells of 250 m, and a CSV file of settlements; their paths.
+fn country(name: &str, settlements: &str) -> [String; 2] {
+    let height = |x: i32, y: i32| {
+        30 + (x * 7 + y * 3) % 19 + 2 * ((x - 30) * (y - 20) / 40) - if x > 50 && y < 25 { 200 } else { 0 }
+    };
+    let rows: Vec<String> =
+        (0..40).rev().map(|y| (0..60).map(|x| height(x, y).to_string()).collect::<Vec<_>>().join(" ")).collect();
+    let head = "ncols 60\nnrows 40\nxllcorner 1000\nyllcorner -2000\ncellsize 250\n";
+    let grid = file(&format!("{name}.asc"), &format!("{head}{}\n", rows.join("\n")));
+    let table = file(&format!("{name}.csv"), settlements);
+    [grid, table].map(|p| p.to_string_lossy().into_owned())
+}
+
+const TOWNS: &str = "name,x,y,sigma\nEastcliff,13000,0,1\nWestham,2500,1000,2\nNorth Combe,6000,7000,0\nMid Lee,7000,2200,2\n\
+    Sandy,12500,6500,0\nFar Lee,4000,4600,0\n";
+
+#[test]
+fn roads_of_a_finite_domain() {
+    let [grid, towns] = country("country", TOWNS);
+    let run = |gamma: &str, name: &str, more: &[&str]| {
+        let path = file(name, "").to_string_lossy().into_owned();
+        let base =
+            ["roads", "--terrain", &grid, "--settlements", &towns, "--gamma", gamma, "--sea-level", "-50", "-o", &path];
+        (json(&[&base[..], more].concat()), std::fs::read(&path).expect("a file"))
+    };
+    let (report, map) = run("inf", "country.geojson", &[]);
+    let list = |key: &str| report[key].as_array().expect("a list").clone();
+    assert_eq!((list("settlements").len(), list("unreached").len(), report["step_m"].as_i64()), (6, 0, Some(250)));
+    assert!(list("roads").iter().all(|r| r["length_m"].as_f64() <= r["cost"].as_f64().map(|c| 1.2 * c)), "{report}");
+    assert!(["read", "build", "write"].iter().all(|t| report["timing_ms"][t].is_number()));
+    assert_eq!(report["totals"]["classes"]["highway"]["roads"], 1);
+    assert!(String::from_utf8_lossy(&map).contains("\"kind\":\"road\""));
+    let dense = run("1.1", "dense.geojson", &["--threads", "2"]).0;
+    assert!(dense["totals"]["roads"].as_u64() > report["totals"]["roads"].as_u64(), "{dense}");
+    // Threads change nothing but the time.
+    assert_eq!(map, run("inf", "again.geojson", &["--threads", "3"]).1);
+    for (name, magic) in [("country.svg", &b"<svg"[..]), ("country.png", b"\x89PNG")] {
+        let (_, picture) = run("2", name, &["--pixels", "300"]);
+        assert!(picture.starts_with(magic), "{name}");
+    }
+    // A settings file changes what it names, and leaves the rest as it is without one.
+    let settings =
+        file("country.ron", "(roads: (highway: (turn: 60), minor: (gamma: inf)))").to_string_lossy().into_owned();
+    let by_file = run("inf", "by_file.geojson", &["--settings", &settings]).0;
+    assert_eq!(by_file["totals"]["roads"], report["totals"]["roads"]);
+}
+
+#[test]
+fn roads_refuse_bad_input_in_one_line() {
+    let [grid, towns] = country("hills", TOWNS);
+    let wrong = |name: &str, row: &str| {
+        country(name, &format!("name,x,y,sigma\nA,2000,1000,1\nB,9000,3000,0\n{row}"))[1].clone()
+    };
+    let outside = wrong("outside", "C,900,1000,0\n");
+    let drowned = wrong("drowned", "C,15000,1000,0\n");
+    let twice = wrong("twice", "C,9000,3000,0\n");
+    let near = wrong("near", "C,9000,3100,0\n");
+    let alone = country("alone", "name,x,y,sigma\nA,2000,1000,1\n")[1].clone();
+    let bad = file("bad-roads.ron", "(\n  roads: (minor: (gamma: 0.5)),\n)").to_string_lossy().into_owned();
+    let picture = file("nothing.png", "x").to_string_lossy().into_owned();
+    let out = file("refused.svg", "").to_string_lossy().into_owned();
+    let cases: &[(&str, &str, &[&str], &str)] = &[
+        (&grid, &outside, &[], "outside.csv:4:3: \"C\" at 900,1000 m lies outside of the domain"),
+        (&grid, &drowned, &["--sea-level", "-50"], "drowned.csv:4:3: C at 15000,1000 m lies under"),
+        (&grid, &twice, &[], "twice.csv:4:3: the place of line 3 again"),
+        (
+            &grid,
+            &near,
+            &["--step", "250"],
+            "near.csv:4:3: C lies 100 m from B; allowed are 1.5 steps of the lattice, 375 m",
+        ),
+        (&grid, &alone, &[], "alone.csv: 1 settlements; allowed are two or more"),
+        (&grid, &towns, &["--gamma", "1"], "1.01 or more is allowed, or inf"),
+        (&grid, &towns, &["--step", "9000"], "--step: step is 9000; allowed is "),
+        (&grid, &towns, &["--settings", &bad], "bad-roads.ron:2:19: roads.minor.gamma is 0.5; allowed is 1.01 to inf"),
+        (&grid, &towns, &["--geographic"], "box of the raster in degrees"),
+        (&grid, "missing.csv", &[], "missing.csv: "),
+        (&picture, &towns, &[], "a picture needs --cell and --white"),
+        (&picture, &towns, &["--cell", "30", "--white", "900"], "nothing.png: no readable PNG"),
+        (&towns, &towns, &[], "must end in .asc .png"),
+    ];
+    for (terrain, settlements, more, expected) in cases {
+        let base = ["roads", "--terrain", terrain, "--settlements", settlements, "-o", &out];
+        let line = refused(&[&base[..], more].concat());
+        assert!(line.contains(expected), "{more:?}: {line}");
+    }
+    assert!(!Path::new(&out).exists());
+}

@@ -58,12 +58,33 @@ fn strokes(letter: char) -> &'static str {
     }
 }
 
+/// A capital without its accent.
+fn plain(letter: char) -> char {
+    const ACCENTS: [(char, &str); 14] = [
+        ('A', "ÀÁÂÃÄÅĀĂĄÆ"),
+        ('C', "ÇĆĈĊČ"),
+        ('D', "ĎĐÐ"),
+        ('E', "ÈÉÊËĒĖĘĚ"),
+        ('G', "ĞĢ"),
+        ('I', "ÌÍÎÏĪĮİ"),
+        ('L', "ĹĽŁ"),
+        ('N', "ÑŃŅŇ"),
+        ('O', "ÒÓÔÕÖØŌŐŒ"),
+        ('R', "ŔŘ"),
+        ('S', "ŚŞŠȘ"),
+        ('U', "ÙÚÛÜŪŮŰŲ"),
+        ('Y', "ÝŸ"),
+        ('Z', "ŹŻŽ"),
+    ];
+    ACCENTS.iter().find(|(_, all)| all.contains(letter)).map_or(letter, |(plain, _)| *plain)
+}
+
 /// Strokes of `text` with capitals `height` tall, y up, the left end of the base line at (0, 0), and the text's width.
-/// Letters without strokes leave a gap.
+/// Accents are left off; letters without strokes leave a gap.
 pub(crate) fn write(text: &str, height: f64) -> (Vec<Vec<DVec2>>, f64) {
     let unit = height / CAP;
     let (mut lines, mut x) = (Vec::new(), 0.0);
-    for letter in text.chars() {
+    for letter in text.chars().map(plain) {
         let mut width: f64 = 0.0;
         for stroke in strokes(letter).split(',').filter(|s| !s.is_empty()) {
             let digit = |b: u8| f64::from(b - b'0');

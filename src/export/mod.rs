@@ -16,7 +16,7 @@ pub mod svg;
 use crate::chunk::{PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, StreetClass};
-use crate::region::Outline;
+use crate::region::{Outline, Road, RoadNetwork};
 use crate::space::Bounds;
 use crate::terrain::Terrain;
 use crate::world::{Area, Owned, World};
@@ -55,19 +55,7 @@ pub fn outlines(world: &World, area: &Area) -> Result<Vec<Arc<Outline>>, LayerEr
 /// a whole region shows.
 pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
     let mut area = Area::empty(bounds);
-    let (origin, size) = (area.origin, world.settings().chunk_size);
-    let mut junctions = BTreeMap::new();
-    for road in world.roads().overlapping(bounds, cancel)? {
-        let street = road.street.moved(road.origin.offset_to(origin));
-        let ends = [(street.from, street.line.first()), (street.to, street.line.last())];
-        junctions.extend(ends.into_iter().filter_map(|(id, at)| Some((id, *at?))));
-        let chunk = street_owner(origin, &street, size);
-        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
-    }
-    area.junctions = junctions
-        .into_iter()
-        .map(|(id, at)| Owned { chunk: owner_of(origin, at, size), it: Junction { id, at } })
-        .collect();
+    put_roads(&mut area, &world.roads().overlapping(bounds, cancel)?, world.settings().chunk_size);
     for settlement in world.settlements().overlapping(bounds)? {
         let outline = world.settlements().outline(&settlement)?;
         if outline.bounds().overlaps(bounds) {
@@ -76,6 +64,32 @@ pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, La
         }
     }
     Ok(area)
+}
+
+/// The settlements and roads of a finite domain, as the exporters want them. `chunk_size` is the edge of a chunk in metres,
+/// by which files name the owners of things.
+pub fn network(network: &RoadNetwork, chunk_size: i64) -> Area {
+    let mut area = Area::empty(network.domain);
+    put_roads(&mut area, &network.roads, chunk_size);
+    area.settlements.clone_from(&network.settlements);
+    area
+}
+
+/// Puts pieces of road and their ends into an area without any.
+fn put_roads(area: &mut Area, roads: &[Arc<Road>], chunk_size: i64) {
+    let origin = area.origin;
+    let mut junctions = BTreeMap::new();
+    for road in roads {
+        let street = road.street.moved(road.origin.offset_to(origin));
+        let ends = [(street.from, street.line.first()), (street.to, street.line.last())];
+        junctions.extend(ends.into_iter().filter_map(|(id, at)| Some((id, *at?))));
+        let chunk = street_owner(origin, &street, chunk_size);
+        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
+    }
+    area.junctions = junctions
+        .into_iter()
+        .map(|(id, at)| Owned { chunk: owner_of(origin, at, chunk_size), it: Junction { id, at } })
+        .collect();
 }
 
 /// An id as written in files: 16 hexadecimal digits, for a number in JSON keeps 53 bits only.

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Draws a plan as a PNG file.
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<Vec<u8>, ExportError> {
     let relief = relief(plan, style);
-    let mut pixels = relief.raster(style.pixels)?;
+    let mut pixels = relief.raster(style.size(plan.area.bounds))?;
     draw(&document(plan, style, &relief, None).to_string(), &mut pixels)?;
     encode(&pixels)
 }

@@ -10,28 +10,37 @@ use resvg::tiny_skia::{IntSize, Pixmap};
 
 /// Terrain at the points of a square grid over a map, and one step beyond it on every side.
 pub(crate) struct Relief {
-    /// Steps across the map.
+    /// Steps along the longer side of the map.
     steps: usize,
+    /// Steps from west to east and from north to south; the last may reach over the border.
+    size: [usize; 2],
     /// Length of a step in metres.
     step: f64,
-    /// Terrain at (column, row) in element `row * (steps + 3) + column`, from one step beyond the north-west corner.
+    /// Terrain at (column, row) in element `row * (size[0] + 3) + column`, from one step beyond the north-west corner.
     samples: Vec<TerrainSample>,
+    /// How many times steeper the land is drawn than it is.
+    steeper: f64,
     /// How far the water stands above the ground there, in metres; where steps are long, the most around that point.
     wet: Vec<f64>,
 }
 
 /// Steps longer than this, in metres, would miss most of a river.
 const FINE: f64 = 6.0;
+/// Greatest mean slope that is drawn.
+const STEEPEST: f64 = 0.4;
 /// Ground further above its water than this, in metres, has no river beside it.
 const DRY: f64 = 4.0;
 
 impl Relief {
-    /// Samples the square `bounds` (plan metres) at `steps + 1` points along each side.
+    /// Samples `bounds` (plan metres) at `steps + 1` points along the longer side.
     pub fn new(terrain: &dyn Terrain, bounds: Bounds, steps: usize) -> Self {
-        let (row, step) = (steps + 3, bounds.size().x / steps as f64);
+        let step = bounds.size().max_element() / steps as f64;
+        // A side may be a whole number of steps but for rounding.
+        let size = (bounds.size() / step - 1e-6).ceil().max(DVec2::ONE).to_array().map(|n| n as usize);
+        let (row, rows) = (size[0] + 3, size[1] + 3);
         let corner = DVec2::new(bounds.min.x - step, bounds.max.y + step);
         let at = |i: usize| corner + DVec2::new((i % row) as f64, -((i / row) as f64)) * step;
-        let samples: Vec<TerrainSample> = (0..row * row).into_par_iter().map(|i| terrain.sample(at(i))).collect();
+        let samples: Vec<TerrainSample> = (0..row * rows).into_par_iter().map(|i| terrain.sample(at(i))).collect();
         let parts = (step / FINE).ceil().clamp(1.0, 4.0) as usize;
         let over = |s: TerrainSample| s.water_level - s.height;
         let wet = |(i, s): (usize, &TerrainSample)| {
@@ -48,7 +57,13 @@ impl Relief {
             // Evened out, and in favour of water: what is a cell wide stays joined, also across the diagonal.
             wet.iter_mut().for_each(|w| *w = w.clamp(-1.0, 1.5));
         }
-        Self { steps, step, samples, wet }
+        // From far off the same hills look flatter: what is drawn is steeper the longer the step. But where most of the land is
+        // steep, shades must still differ.
+        let rises =
+            samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
+        let (sum, count) = rises.fold((0.0, 1.0), |(sum, count), rise| (sum + rise, count + 1.0));
+        let steeper = (2.2 * pow((step / 4.0).max(0.25), 0.15)).min(STEEPEST / (sum / count));
+        Self { steps, size, step, samples, steeper, wet }
     }
 
     /// Rings around water, as [`Relief::rings`].
@@ -57,7 +72,7 @@ impl Relief {
     }
 
     fn at(&self, column: usize, row: usize) -> &TerrainSample {
-        &self.samples[row * (self.steps + 3) + column]
+        &self.samples[row * (self.size[0] + 3) + column]
     }
 
     /// Lowest and highest ground above the water, in metres; `None` when all is water.
@@ -74,8 +89,7 @@ impl Relief {
             self.at(c + 1, r).height - self.at(c - 1, r).height,
             self.at(c, r - 1).height - self.at(c, r + 1).height,
         ) / (2.0 * self.step);
-        // From far off the same hills look flatter: what is drawn is steeper the longer the step.
-        let steeper = 2.2 * pow((self.step / 4.0).max(0.25), 0.15);
+        let steeper = self.steeper;
         let light = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
         let normal = DVec3::new(-slope.x * steeper, -slope.y * steeper, 1.0).normalize();
         let shade = normal.dot(light) / light.z - 1.0;
@@ -96,49 +110,49 @@ impl Relief {
         }
     }
 
-    /// The shaded land, `pixels` wide and high.
-    pub fn raster(&self, pixels: u32) -> Result<Pixmap, ExportError> {
-        let across = self.steps + 1;
+    /// The shaded land, `width` by `height` pixels, which have the form of the map.
+    pub fn raster(&self, [width, height]: [u32; 2]) -> Result<Pixmap, ExportError> {
+        let across = self.size[0] + 1;
         let points: Vec<DVec3> =
-            (0..across * across).into_par_iter().map(|i| self.colour(i % across, i / across)).collect();
-        let per_pixel = self.steps as f64 / f64::from(pixels);
-        let cell = |pixel: u32| {
+            (0..across * (self.size[1] + 1)).into_par_iter().map(|i| self.colour(i % across, i / across)).collect();
+        let per_pixel = self.steps as f64 / f64::from(width.max(height));
+        let cell = |pixel: u32, steps: usize| {
             let x = (f64::from(pixel) + 0.5) * per_pixel;
-            let whole = x.floor().min(self.steps as f64 - 1.0);
+            let whole = x.floor().min(steps as f64 - 1.0);
             (whole as usize, x - whole)
         };
         let row_of = |y: u32| -> Vec<u8> {
-            let (row, v) = cell(y);
+            let (row, v) = cell(y, self.size[1]);
             let colour = |x: u32| {
-                let (column, u) = cell(x);
+                let (column, u) = cell(x, self.size[0]);
                 let point = |dx, dy| points[(row + dy) * across + column + dx];
                 let c = point(0, 0).lerp(point(1, 0), u).lerp(point(0, 1).lerp(point(1, 1), u), v);
                 [c.x.round() as u8, c.y.round() as u8, c.z.round() as u8, 255]
             };
-            (0..pixels).flat_map(colour).collect()
+            (0..width).flat_map(colour).collect()
         };
-        let rows: Vec<Vec<u8>> = (0..pixels).into_par_iter().map(row_of).collect();
-        IntSize::from_wh(pixels, pixels)
+        let rows: Vec<Vec<u8>> = (0..height).into_par_iter().map(row_of).collect();
+        IntSize::from_wh(width, height)
             .and_then(|size| Pixmap::from_vec(rows.concat(), size))
-            .ok_or_else(|| ExportError::Format(format!("a picture of {pixels} by {pixels} pixels is not possible")))
+            .ok_or_else(|| ExportError::Format(format!("a picture of {width} by {height} pixels is not possible")))
     }
 
-    /// Rings around where `field` is above `level`, on a map `pixels` wide and high, y down. Rings that leave the map are
+    /// Rings around where `field` is above `level`, on a map whose longer side has `pixels`, y down. Rings that leave the map are
     /// closed beyond it.
     pub fn rings(&self, pixels: f64, level: f64, field: impl Fn(&TerrainSample) -> f64) -> Vec<Vec<DVec2>> {
         self.rings_of(pixels, |i| field(&self.samples[i]) - level)
     }
 
     fn rings_of(&self, pixels: f64, over: impl Fn(usize) -> f64) -> Vec<Vec<DVec2>> {
-        let row = self.steps + 3;
-        let last = row - 1;
-        let outside = |i: usize| i.is_multiple_of(row) || i % row == last || i / row == 0 || i / row == last;
+        let row = self.size[0] + 3;
+        let last = self.size.map(|n| n + 2);
+        let outside = |i: usize| i.is_multiple_of(row) || i % row == last[0] || i / row == 0 || i / row == last[1];
         // A rim below the level closes every ring.
         let over: Vec<f64> = (0..self.samples.len()).map(|i| if outside(i) { -1.0 } else { over(i) }).collect();
         let scale = pixels / self.steps as f64;
         // The rim is pushed out, or closing would draw along the map's edge.
         let place = |p: DVec2| {
-            let out = |x: f64| {
+            let out = |x: f64, last: usize| {
                 if x < 0.5 {
                     -2.0
                 } else if x > last as f64 - 0.5 {
@@ -147,7 +161,7 @@ impl Relief {
                     x - 1.0
                 }
             };
-            DVec2::new(out(p.x), out(p.y)) * scale
+            DVec2::new(out(p.x, last[0]), out(p.y, last[1])) * scale
         };
         trace(&over, row).into_iter().map(|ring| ring.into_iter().map(place).collect()).collect()
     }

@@ -4,13 +4,14 @@ use crate::export::relief::Relief;
 use crate::export::{ExportError, Plan, glyphs, narrowest_first};
 use crate::network::{Street, StreetClass};
 use crate::parcel::BlockUse;
-use crate::region::SizeClass;
+use crate::region::{Settlement, SizeClass};
 use crate::space::Bounds;
 use crate::streets::MadeBy;
 use glam::DVec2;
 use std::fmt::Write;
+use std::sync::Arc;
 use svg::Document;
-use svg::node::element::{Group, Image, Path, Rectangle, Title};
+use svg::node::element::{Circle, Group, Image, Path, Rectangle, Title};
 
 /// What the colour of a street says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +26,7 @@ pub enum Colouring {
 /// How a map is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapStyle {
-    /// Width and height in pixels (in an SVG: units of its coordinates).
+    /// Longer side in pixels (in an SVG: units of its coordinates).
     pub pixels: u32,
     /// What colours say.
     pub colouring: Colouring,
@@ -37,13 +38,24 @@ impl Default for MapStyle {
     }
 }
 
+impl MapStyle {
+    /// Width and height of the picture of a box, in pixels.
+    pub(super) fn size(&self, bounds: Bounds) -> [u32; 2] {
+        let size = bounds.size() / bounds.size().max_element() * f64::from(self.pixels);
+        size.to_array().map(|n| n.round().max(1.0) as u32)
+    }
+}
+
 /// Draws a plan as an SVG document, the shaded relief embedded as a picture.
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<String, ExportError> {
     let relief = relief(plan, style);
-    let png = relief.raster(style.pixels.min(800))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
+    let small = MapStyle { pixels: style.pixels.min(800), ..*style };
+    let png =
+        relief.raster(small.size(plan.area.bounds))?.encode_png().map_err(|e| ExportError::Format(e.to_string()))?;
+    let [width, height] = style.size(plan.area.bounds);
     let picture = Image::new()
-        .set("width", style.pixels)
-        .set("height", style.pixels)
+        .set("width", width)
+        .set("height", height)
         .set("preserveAspectRatio", "none")
         .set("href", format!("data:image/png;base64,{}", base64(&png)));
     Ok(document(plan, style, &relief, Some(picture)).to_string())
@@ -56,27 +68,33 @@ pub(super) fn relief(plan: &Plan<'_>, style: &MapStyle) -> Relief {
 
 /// Draws a plan; `picture` is the land that all else is drawn on.
 pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, picture: Option<Image>) -> Document {
-    let size = f64::from(style.pixels);
     let bounds = plan.area.bounds;
+    let size = DVec2::from_array(style.size(bounds).map(f64::from));
+    let longer = f64::from(style.pixels);
     let sheet = Sheet {
         size,
-        scale: size / bounds.size().x,
+        longer,
+        scale: longer / bounds.size().max_element(),
         corner: plan.area.origin.to_local(DVec2::new(bounds.min.x, bounds.max.y)),
         colouring: style.colouring,
     };
     let mut groups = vec![sheet.ground(relief)];
     groups.extend(sheet.parcels(plan));
     groups.push(sheet.streets(plan));
+    if plan.area.blocks.is_empty() {
+        groups.push(sheet.symbols(plan));
+    }
     groups.push(sheet.names(plan));
     groups.push(sheet.scale_bar());
-    let whole = Document::new().set("viewBox", (0.0, 0.0, size, size)).set("width", size).set("height", size);
+    let whole = Document::new().set("viewBox", (0.0, 0.0, size.x, size.y)).set("width", size.x).set("height", size.y);
     groups.into_iter().fold(picture.into_iter().fold(whole, Document::add), Document::add)
 }
 
 /// Where plan points lie on the drawing.
 struct Sheet {
-    /// Width and height in pixels.
-    size: f64,
+    /// Width and height in pixels, and the longer of the two.
+    size: DVec2,
+    longer: f64,
     /// Pixels per metre.
     scale: f64,
     /// North-west corner, local to the area.
@@ -111,7 +129,7 @@ impl Sheet {
             while level < high {
                 let index = (level / step).round() as i64 % 5 == 0;
                 let mut data = String::new();
-                relief.rings(self.size, level, |s| s.height).iter().for_each(|r| trace(&mut data, r, true));
+                relief.rings(self.longer, level, |s| s.height).iter().for_each(|r| trace(&mut data, r, true));
                 let width = if index { 0.9 } else { 0.45 };
                 let contour = Path::new().set("d", data).set("stroke", "#8a6f4a").set("stroke-width", width);
                 group = group.add(contour.set("stroke-opacity", if index { 0.4 } else { 0.28 }));
@@ -120,8 +138,8 @@ impl Sheet {
         }
         for (depth, fill) in [(0.0, "#a9cfe6"), (3.0, "#9cc5df"), (10.0, "#8eb9d7"), (30.0, "#80accc")] {
             let (rings, shore) = match depth {
-                0.0 => (relief.shores(self.size), "#6c9dbf"),
-                _ => (relief.rings(self.size, depth, |s| s.water_level - s.height), "none"),
+                0.0 => (relief.shores(self.longer), "#6c9dbf"),
+                _ => (relief.rings(self.longer, depth, |s| s.water_level - s.height), "none"),
             };
             let mut data = String::new();
             rings.iter().for_each(|r| trace(&mut data, r, true));
@@ -235,10 +253,25 @@ impl Sheet {
             let path = Path::new()
                 .set("d", data)
                 .set("stroke", pen.colour)
-                .set("stroke-width", (pen.width * 100.0).round() / 100.0)
+                .set("stroke-width", round(pen.width))
                 .set("stroke-linecap", if pen.dashed { "butt" } else { pen.cap });
             group.add(if pen.dashed { path.set("stroke-dasharray", (4, 3)) } else { path })
         })
+    }
+
+    /// A ring for each settlement that would be hardly seen at its size; villages first, so that cities lie on top.
+    fn symbols(&self, plan: &Plan<'_>) -> Group {
+        let mut group = Group::new().set("id", "symbols").set("fill", "#fffdf6").set("stroke", "#3c372f");
+        for size in SizeClass::ALL.into_iter().rev() {
+            let radius = symbol(size) * self.longer / 1600.0;
+            let small = |s: &&Arc<Settlement>| s.size == size && s.radius * self.scale < 1.3 * radius;
+            for settlement in plan.area.settlements.iter().filter(small) {
+                let at = self.place(plan.area.origin.to_local(settlement.centre.plan()));
+                let ring = Circle::new().set("cx", round(at.x)).set("cy", round(at.y)).set("r", round(radius));
+                group = group.add(ring.set("stroke-width", round(0.32 * radius)));
+            }
+        }
+        group
     }
 
     /// Names of settlements, the largest first; one that would lie on another is left out.
@@ -249,16 +282,17 @@ impl Sheet {
         taken.iter_mut().for_each(|b| *b = Bounds::new(b.min * self.size, b.max * self.size));
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
-        for settlement in settlements {
-            let height = self.size / 1600.0
+        for settlement in &settlements {
+            let height = self.longer / 1600.0
                 * match settlement.size {
                     SizeClass::City => 19.0,
                     SizeClass::Town => 14.0,
                     SizeClass::Village => 10.0,
                 };
             let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
-            let radius = settlement.radius * self.scale;
-            if settlement.size == SizeClass::Village && radius < 7.0 {
+            let shown = settlement.radius * self.scale;
+            let radius = shown.max(symbol(settlement.size) * self.longer / 1600.0);
+            if settlement.size == SizeClass::Village && shown < 7.0 && settlements.len() > MANY {
                 continue;
             }
             // In the middle of a town that holds it, above one that does not.
@@ -267,7 +301,7 @@ impl Sheet {
             let corner = centre + DVec2::new(-width, height) / 2.0;
             let half = DVec2::new(width, height) / 2.0;
             let around = Bounds::new(centre - half, centre + half);
-            let sheet = Bounds::new(DVec2::ZERO, DVec2::splat(self.size));
+            let sheet = Bounds::new(DVec2::ZERO, self.size);
             let around = around.grown(height / 2.0);
             if sheet.encloses(around) && !taken.iter().any(|t| t.overlaps(around)) {
                 taken.push(around);
@@ -279,9 +313,9 @@ impl Sheet {
 
     /// A bar of a round length at the lower left, a legend of colours above it where they need one, and a frame.
     fn scale_bar(&self) -> Group {
-        let unit = self.size / 1600.0;
-        let metres = nice(self.size / self.scale / 6.0);
-        let (from, length) = (DVec2::new(40.0, 1560.0) * unit, metres * self.scale);
+        let unit = self.longer / 1600.0;
+        let metres = nice((self.size.x / self.scale / 6.0).max(1.0));
+        let (from, length) = (DVec2::new(40.0 * unit, self.size.y - 40.0 * unit), metres * self.scale);
         let mut group = Group::new().set("id", "scale");
         let box_of = |at: DVec2, size: DVec2| {
             Rectangle::new().set("x", at.x).set("y", at.y).set("width", size.x).set("height", size.y)
@@ -308,7 +342,7 @@ impl Sheet {
                 group = group.add(write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit));
             }
         }
-        let frame = box_of(DVec2::ZERO, DVec2::splat(self.size)).set("fill", "none");
+        let frame = box_of(DVec2::ZERO, self.size).set("fill", "none");
         group.add(frame.set("stroke", "#5f574c").set("stroke-width", 2.0 * unit))
     }
 }
@@ -331,6 +365,23 @@ fn origin_name(made_by: Option<MadeBy>) -> &'static str {
         Some(MadeBy::Growth) => "growth",
         Some(MadeBy::Repair) => "repair",
     }
+}
+
+/// Maps with more settlements than this leave out the names of small villages.
+const MANY: usize = 120;
+
+/// Radius of the ring that stands for a settlement, on a map of 1600 pixels.
+fn symbol(size: SizeClass) -> f64 {
+    match size {
+        SizeClass::City => 6.5,
+        SizeClass::Town => 4.6,
+        SizeClass::Village => 2.9,
+    }
+}
+
+/// A number in hundredths.
+fn round(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0
 }
 
 /// Adds a polyline or ring to path data, in hundredths of a pixel.

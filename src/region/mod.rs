@@ -13,7 +13,7 @@ pub mod settlement;
 
 pub use border::Border;
 pub use outline::{Outline, SharedBorder};
-pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
+pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
     PerSize, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements, SizeClass,
 };

@@ -47,6 +47,8 @@ pub enum Command {
     Digest(DigestArgs),
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
+    /// Roads between given settlements on given ground
+    Roads(RoadsArgs),
     /// Check or draw patch sets
     Patches(PatchesArgs),
 }
@@ -165,6 +167,51 @@ pub struct SoakArgs {
 }
 
 #[derive(Args)]
+pub struct RoadsArgs {
+    /// Heights: an ESRI ASCII grid (.asc), or a grey .png with --cell and --white
+    #[arg(long, value_name = "FILE")]
+    pub terrain: PathBuf,
+    /// Settlements: a CSV file with the columns name,x,y,sigma and perhaps radius_m
+    #[arg(long, value_name = "FILE")]
+    pub settlements: PathBuf,
+    /// File to write: .svg .png or .geojson
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Density of the roads, 1.01 or more: 2 is a Gabriel graph, inf the relative neighbour graph [default: as the settings
+    /// have it for each class]
+    #[arg(long, value_name = "G", allow_hyphen_values = true, value_parser = gamma)]
+    pub gamma: Option<f64>,
+    /// Places are in degrees: x is longitude, y latitude
+    #[arg(long)]
+    pub geographic: bool,
+    /// Spacing in whole metres of the lattice that roads are found on [default: the cell of an ASCII grid, a 256th of the
+    /// domain of a picture; less where settlements lie nearer to each other]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(i64).range(10..=20_000))]
+    pub step: Option<i64>,
+    /// Ground below this height in metres is under water
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
+    pub sea_level: Option<f64>,
+    /// Height of cells without a number [default: such a file is refused]
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
+    pub fill: Option<f64>,
+    /// South-west corner of a picture
+    #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true, value_parser = point)]
+    pub corner: DVec2,
+    /// Edge of a picture's pixel, in metres or degrees
+    #[arg(long, value_name = "M", value_parser = number)]
+    pub cell: Option<f64>,
+    /// Height of black in a picture, in metres
+    #[arg(long, value_name = "M", default_value = "0", allow_hyphen_values = true, value_parser = number)]
+    pub black: f64,
+    /// Height of white in a picture, in metres
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
+    pub white: Option<f64>,
+    /// Longer side of an SVG or PNG
+    #[arg(long, value_name = "N", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub pixels: u32,
+}
+
+#[derive(Args)]
 pub struct PatchesArgs {
     #[command(subcommand)]
     pub command: PatchesCommand,
@@ -200,6 +247,11 @@ fn point(text: &str) -> Result<DVec2, String> {
     let (x, y) = text.split_once(',').ok_or("two numbers with a comma between them are needed, such as -5,7")?;
     let point = DVec2::new(number(x)?, number(y)?);
     if point.is_finite() { Ok(point) } else { Err("both numbers must be finite".into()) }
+}
+
+fn gamma(text: &str) -> Result<f64, String> {
+    let gamma = number(text)?;
+    if gamma >= 1.01 { Ok(gamma) } else { Err("1.01 or more is allowed, or inf".into()) }
 }
 
 fn size(text: &str) -> Result<f64, String> {

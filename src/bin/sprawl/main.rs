@@ -1,10 +1,11 @@
-//! The command line: maps, figures, settlements and digests of a world, and checks of patch sets.
+//! The command line: maps, figures, settlements and digests of a world, roads of a finite domain, and checks of patch sets.
 
 mod args;
 mod digest;
 mod fail;
 mod map;
 mod patches;
+mod roads;
 mod settlements;
 mod soak;
 mod stats;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Settlements(args) => settlements::run(&cli.common, args),
         Command::Digest(args) => digest::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
+        Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
     };
     match result {

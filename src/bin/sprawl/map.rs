@@ -73,7 +73,12 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         let terrain = world.terrain().clone();
         let plan =
             Plan { area: &area, outlines: &outlines, terrain: &*terrain, chunk_size: world.settings().chunk_size };
-        work::pool(common)?.install(|| write(&plan, format, args, &mut file))?;
+        let colouring = match args.colour_by {
+            ColourBy::Class => Colouring::Class,
+            ColourBy::Origin => Colouring::Origin,
+        };
+        let style = MapStyle { pixels: args.pixels, colouring };
+        work::pool(common)?.install(|| write(&plan, format, &style, args.everything, &mut file))?;
         for (key, count) in counts(&area) {
             report[key] = json!(count);
         }
@@ -95,17 +100,19 @@ fn counts(area: &Area) -> [(&'static str, usize); 5] {
     ]
 }
 
-fn write(plan: &Plan<'_>, format: Format, args: &MapArgs, file: &mut dyn Write) -> Result<(), ExportError> {
-    let colouring = match args.colour_by {
-        ColourBy::Class => Colouring::Class,
-        ColourBy::Origin => Colouring::Origin,
-    };
-    let style = MapStyle { pixels: args.pixels, colouring };
+/// Writes a plan in any format but GLB.
+pub fn write(
+    plan: &Plan<'_>,
+    format: Format,
+    style: &MapStyle,
+    everything: bool,
+    file: &mut dyn Write,
+) -> Result<(), ExportError> {
     match format {
-        Format::Svg => file.write_all(svg::write(plan, &style)?.as_bytes())?,
-        Format::Png => file.write_all(&png::write(plan, &style)?)?,
+        Format::Svg => file.write_all(svg::write(plan, style)?.as_bytes())?,
+        Format::Png => file.write_all(&png::write(plan, style)?)?,
         Format::GeoJson => geojson::write(plan, file)?,
-        Format::Osm => osm::write(plan, osm::Options { everything: args.everything }, file)?,
+        Format::Osm => osm::write(plan, osm::Options { everything }, file)?,
         Format::Glb => {}
     }
     Ok(())

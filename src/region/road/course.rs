@@ -112,6 +112,10 @@ pub(super) fn courses(
     bounds: Bounds,
     cancel: &Cancel,
 ) -> Result<Vec<Arc<Course>>, LayerError> {
+    if let Some(finite) = &work.finite {
+        let found = finite.courses(tier).iter().filter(|c| c.passes(bounds, work.settings.step));
+        return Ok(found.cloned().collect());
+    }
     let size = LISTED_BY;
     let (min, max) = ((bounds.min / size).floor().as_i64vec2(), (bounds.max / size).floor().as_i64vec2());
     let mut out: Vec<Arc<Course>> = Vec::new();
@@ -194,7 +198,7 @@ fn course(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Resul
     Ok(found.0.clone())
 }
 
-fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Course>, LayerError> {
+pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Course>, LayerError> {
     cancel.check()?;
     let tier = tier_of(a, b);
     let t = work.settings.tier(tier);
@@ -216,7 +220,7 @@ fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<
     sites.dedup_by_key(|s| s.id);
     roads.sort_by_key(|c| c.id);
     roads.dedup_by_key(|c| c.id);
-    let mut field = work.field(t, Strip::around(&spine, t.corridor, step));
+    let mut field = work.field(t, work.strip(&spine, t.corridor));
     for s in sites {
         let site = work.site(&s)?;
         for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {

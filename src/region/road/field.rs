@@ -42,8 +42,9 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// Nodes of the lattice of spacing `step` within `width` of a line in plan metres.
-    pub fn around(line: &[DVec2], width: f64, step: i64) -> Self {
+    /// Nodes of the lattice of spacing `step` within `width` of a line in plan metres, and from the first to the last of
+    /// `range` if there is one.
+    pub fn around(line: &[DVec2], width: f64, step: i64, range: Option<(I64Vec2, I64Vec2)>) -> Self {
         // Three nodes more on each side than edges of the stencil reach.
         let bounds = Bounds::of(line.iter().copied()).grown(width + 3.0 * step as f64);
         let window = Window::around(bounds, step);
@@ -52,7 +53,8 @@ impl Strip {
             let part = Window::around(Bounds::of([a, b]).grown(width), step);
             for i in 0..part.len() {
                 let node = part.node(i);
-                if window.contains(node) {
+                let allowed = range.is_none_or(|(low, high)| node.cmpge(low).all() && node.cmple(high).all());
+                if allowed && window.contains(node) {
                     let distance = distance_to_segment(node_at(node, step), a, b);
                     if distance <= width {
                         let held = &mut off[window.index(node)];

@@ -303,7 +303,7 @@ mod tests {
     fn way(terrain: &Across, t: &TierSettings) -> Option<Geodesic> {
         let cache = LayerCache::new(1 << 24);
         let ends = [I64Vec2::new(0, 0), I64Vec2::new(40, 3)];
-        let strip = Strip::around(&ends.map(|n| node_at(n, STEP)), 2_500.0, STEP);
+        let strip = Strip::around(&ends.map(|n| node_at(n, STEP)), 2_500.0, STEP, None);
         let mut field = Field::new(strip, t, STEP, terrain, |w| Samples::new(&cache, terrain, STEP, w));
         let [from, to] = ends.map(|node| [Stop { node, cost: 0.0, beyond: DVec2::ZERO }]);
         let found = geodesic(&mut field, &from, &to, &Cancel::new()).unwrap();

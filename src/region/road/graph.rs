@@ -11,7 +11,7 @@ use super::course::{Course, courses};
 use super::lattice::{STENCIL, heading, node_at};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{JunctionId, StreetClass};
-use crate::region::SizeClass;
+use crate::region::{SettlementId, SizeClass};
 use crate::space::{Bounds, Origin, line_length, quantize};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
@@ -217,6 +217,9 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
             }
             for (end, node) in [(&course.ends[0], course.nodes.first()), (&course.ends[1], course.nodes.last())] {
                 let Some(node) = node else { continue };
+                if stands_for(work, *node).is_some() {
+                    continue;
+                }
                 let plan = end.centre.to_plan(end.gate);
                 let cell = (plan / step as f64).floor().as_i64vec2();
                 let (settlement, vertex) = (end.settlement.0, end.vertex as u32);
@@ -238,7 +241,8 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
         let key = |p: I64Vec2| {
             let node = p.div_euclid(I64Vec2::splat(PARTS));
             let lands = node * PARTS == p && landings.binary_search(&node.to_array()).is_ok();
-            Key::on(p + corner * PARTS, if lands { 0 } else { e.level })
+            let at = p + corner * PARTS;
+            if lands || e.level == 0 { key_at(work, at) } else { Key::on(at, e.level) }
         };
         let keys: Vec<Key> = points.into_iter().map(key).collect();
         for pair in keys.windows(2) {
@@ -247,6 +251,20 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
         }
     }
     Ok(out)
+}
+
+/// The settlement of a finite domain that a node stands for.
+fn stands_for(work: &Work, node: I64Vec2) -> Option<SettlementId> {
+    work.finite.as_ref().and_then(|f| f.settlement(node))
+}
+
+/// The vertex at a place in parts of a step: a node that stands for a settlement is its only gate.
+fn key_at(work: &Work, p: I64Vec2) -> Key {
+    let node = p.div_euclid(I64Vec2::splat(PARTS));
+    match stands_for(work, node).filter(|_| p == node * PARTS) {
+        Some(id) => Key::Gate { x: node.x, y: node.y, settlement: id.0, vertex: 0 },
+        None => Key::At { x: p.x, y: p.y },
+    }
 }
 
 /// Adds a way in both directions, as far as its ends lie in the tile.

@@ -42,6 +42,7 @@ mod geodesic;
 mod graph;
 mod lattice;
 mod merge;
+mod network;
 mod pairs;
 mod piece;
 mod places;
@@ -53,6 +54,7 @@ mod site;
 #[cfg(test)]
 mod tests;
 
+pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub use settings::{RoadSettings, TierSettings};
 
 use crate::layer::{Cancel, LayerCache, LayerError};
@@ -122,6 +124,8 @@ struct Work {
     settings: RoadSettings,
     terrain: Arc<dyn Terrain>,
     places: Arc<dyn Places>,
+    /// What is different in a finite domain; `None` in the endless world.
+    finite: Option<network::Finite>,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
     distances: LayerCache<(u8, SettlementId, SettlementId), pairs::Distance>,
@@ -157,6 +161,7 @@ impl Work {
             settings: settings.clone(),
             terrain,
             places,
+            finite: None,
             samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
             distances: LayerCache::new(share(1)),
@@ -184,7 +189,54 @@ impl Work {
     }
 
     fn site(&self, s: &Settlement) -> Result<Arc<site::Site>, LayerError> {
-        self.sites.get(&s.id, || site::site(self, s))
+        self.sites.get(&s.id, || match &self.finite {
+            Some(finite) if finite.is_node(s) => Ok(finite.site(s)),
+            _ => site::site(self, s),
+        })
+    }
+
+    /// The nodes of a box that a search may use: in a finite domain, none outside of it.
+    fn window(&self, bounds: Bounds, step: i64) -> search::Window {
+        let window = search::Window::around(bounds, step);
+        self.finite.as_ref().map_or(window, |f| f.clip(window, step))
+    }
+
+    /// The node that stands for a settlement's centre.
+    fn centre_node(&self, s: &Settlement, step: i64) -> I64Vec2 {
+        let near = || lattice::node_near(s.centre.plan(), step);
+        self.finite.as_ref().map_or_else(near, |f| f.centre_node(&*self.terrain, s, step))
+    }
+
+    /// Nodes within `width` of a line that a search may use.
+    fn strip(&self, line: &[glam::DVec2], width: f64) -> field::Strip {
+        let step = self.settings.step;
+        field::Strip::around(line, width, step, self.finite.as_ref().map(|f| f.range(step)))
+    }
+
+    fn settlement(&self, end: &course::End) -> Result<Option<Arc<Settlement>>, LayerError> {
+        let all = self.places.of_tier(Bounds::square(end.centre.plan(), 2.0), SizeClass::Village)?;
+        Ok(all.into_iter().find(|s| s.id == end.settlement))
+    }
+
+    fn link(&self, course: &course::Course, cancel: &Cancel) -> Result<Link, LayerError> {
+        let [a, b] = [self.settlement(&course.ends[0])?, self.settlement(&course.ends[1])?];
+        let cost = match (&a, &b) {
+            (Some(a), Some(b)) => pairs::distance(self, pairs::tier_of(a, b), a, b, cancel)?,
+            _ => f64::INFINITY,
+        };
+        let line = course.line(self.settings.step);
+        let tunnels = course.spans.iter().filter(|s| s.tunnel).count();
+        let small = piece::bridges(self, course);
+        Ok(Link {
+            id: course.id,
+            from: course.ends[0].settlement,
+            to: course.ends[1].settlement,
+            class: course.class,
+            length_m: crate::space::line_length(&line),
+            cost,
+            bridges: course.spans.len() - tunnels + small,
+            tunnels,
+        })
     }
 
     fn graph(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
@@ -277,39 +329,12 @@ impl Roads {
                 }
                 for course in course::courses_of(&self.work, tier, &s, cancel)? {
                     if !out.iter().any(|l| l.id == course.id) {
-                        out.push(Arc::new(self.link(tier, &course, cancel)?));
+                        out.push(Arc::new(self.work.link(&course, cancel)?));
                     }
                 }
             }
         }
         out.sort_by_key(|l| l.id);
         Ok(out)
-    }
-
-    fn settlement(&self, end: &course::End) -> Result<Option<Arc<Settlement>>, LayerError> {
-        let all = self.work.places.of_tier(Bounds::square(end.centre.plan(), 2.0), SizeClass::Village)?;
-        Ok(all.into_iter().find(|s| s.id == end.settlement))
-    }
-
-    fn link(&self, tier: SizeClass, course: &course::Course, cancel: &Cancel) -> Result<Link, LayerError> {
-        let work = &self.work;
-        let [a, b] = [self.settlement(&course.ends[0])?, self.settlement(&course.ends[1])?];
-        let cost = match (&a, &b) {
-            (Some(a), Some(b)) => pairs::distance(work, tier, a, b, cancel)?,
-            _ => f64::INFINITY,
-        };
-        let line = course.line(work.settings.step);
-        let tunnels = course.spans.iter().filter(|s| s.tunnel).count();
-        let small = piece::bridges(work, course);
-        Ok(Link {
-            id: course.id,
-            from: course.ends[0].settlement,
-            to: course.ends[1].settlement,
-            class: course.class,
-            length_m: crate::space::line_length(&line),
-            cost,
-            bridges: course.spans.len() - tunnels + small,
-            tunnels,
-        })
     }
 }

@@ -4,7 +4,7 @@
 
 use super::field::{Field, Strip};
 use super::geodesic::{Stop, geodesic};
-use super::lattice::{Samples, cost_over_water, kernel, node_at, node_near, stencil_distance};
+use super::lattice::{Samples, cost_over_water, kernel, node_at, stencil_distance};
 use super::search::{Task, Window, search};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
@@ -82,7 +82,7 @@ pub(super) fn pair(
         let t = work.settings.tier(tier);
         let step = work.settings.step * t.wide_step;
         let length = beeline(a, b);
-        let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
+        let (from, to) = (work.centre_node(a, step), work.centre_node(b, step));
         let line = stencil_distance(to - from) * step as f64;
         if from == to {
             return Ok(Pair { cost: length, nodes: vec![from] });
@@ -90,7 +90,7 @@ pub(super) fn pair(
         let across = (to - from).as_dvec2().length();
         let limit = t.detour * line;
         let bounds = ellipse_bounds(node_at(from, step), node_at(to, step), limit);
-        let window = Window::around(bounds, step);
+        let window = work.window(bounds, step);
         let repel = repulsion(work, t, tier, [a, b], &window, step)?;
         let mut samples = Samples::new(&work.samples, &*work.terrain, step, &window);
         let task = Task { window, step, from, to, limit, bridge_limit: t.bridge_limit + step as f64 };
@@ -147,7 +147,7 @@ pub(super) fn distance(
             return Ok(Distance(f64::INFINITY));
         }
         let spine = spine(work, t, a, b, &wide);
-        over_ground(work, tier, [a, b], Strip::around(&spine, t.corridor, work.settings.step), cancel).map(Distance)
+        over_ground(work, tier, [a, b], work.strip(&spine, t.corridor), cancel).map(Distance)
     })?;
     Ok(found.0)
 }
@@ -162,21 +162,21 @@ pub(super) fn over_ground(
 ) -> Result<f64, LayerError> {
     let step = work.settings.step;
     let mut field = open_ground(work, tier, ends, strip)?;
-    let [from, to] = ends.map(|s| node_near(s.centre.plan(), step));
+    let [from, to] = ends.map(|s| work.centre_node(s, step));
     let line = stencil_distance(to - from) * step as f64;
     let length = beeline(ends[0], ends[1]);
     if from == to {
         return Ok(length);
     }
-    let stops = [stops(&mut field, ends[0], step)?, stops(&mut field, ends[1], step)?];
+    let stops = [stops(&mut field, ends[0], from)?, stops(&mut field, ends[1], to)?];
     let found = geodesic(&mut field, &stops[0], &stops[1], cancel)?;
     // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
     Ok(found.map_or(f64::INFINITY, |f| f.cost * length / line))
 }
 
-/// Where a way from a settlement begins: at its centre, or all around it if that is under water.
-fn stops(field: &mut Field, s: &Settlement, step: i64) -> Result<Vec<Stop>, LayerError> {
-    let centre = node_near(s.centre.plan(), step);
+/// Where a way from a settlement begins: at the node of its centre, or all around it if that is under water.
+fn stops(field: &mut Field, s: &Settlement, centre: I64Vec2) -> Result<Vec<Stop>, LayerError> {
+    let step = field.step();
     let stop = |node: I64Vec2, cost: f64| Stop { node, cost, beyond: DVec2::ZERO };
     if field.is_dry(centre)? {
         return Ok(vec![stop(centre, 0.0)]);

@@ -12,8 +12,8 @@ use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Distance in metres at which lines are looked at for water.
-const WATER_STEP: f64 = 8.0;
+/// Share of a step of the lattice after which lines are looked at for water: 8 m of 128.
+const WATER_STEP: f64 = 1.0 / 16.0;
 /// Land between two bridges that is shorter, in metres, is bridged too.
 const SHORT_LAND: f64 = 40.0;
 /// A bridge that ends this near a junction, in metres, goes on to it.
@@ -75,7 +75,7 @@ impl Walk<'_> {
         loop {
             let graph = self.graph(at.tile())?;
             let next = match graph.vertices.get(&at) {
-                Some(v) if v.goes_on() => v.ways.iter().map(|w| w.to).find(|to| *to != before),
+                Some(v) if v.goes_on() && !at.is_gate() => v.ways.iter().map(|w| w.to).find(|to| *to != before),
                 _ => None,
             };
             // A ring without a junction would come back to its start.
@@ -242,7 +242,7 @@ fn cut(line: &[DVec2], (from, to): (f64, f64)) -> Vec<DVec2> {
 /// Lengths of a line in turn over land and over water: from, to, and whether it is a bridge.
 fn parts(work: &Work, origin: Origin, line: &[DVec2]) -> Vec<((f64, f64), bool)> {
     let length = line_length(line);
-    let count = (length / WATER_STEP).ceil().max(1.0) as usize;
+    let count = (length / (WATER_STEP * work.settings.step as f64)).ceil().max(1.0) as usize;
     let step = length / count as f64;
     let mut wet: Vec<(f64, f64)> = Vec::new();
     for i in 0..=count {

@@ -208,6 +208,15 @@ impl RoadSettings {
             SizeClass::Village => &self.minor,
         }
     }
+
+    /// The same, to be changed.
+    pub(super) fn tier_mut(&mut self, tier: SizeClass) -> &mut TierSettings {
+        match tier {
+            SizeClass::City => &mut self.highway,
+            SizeClass::Town => &mut self.major,
+            SizeClass::Village => &mut self.minor,
+        }
+    }
 }
 
 #[cfg(test)]

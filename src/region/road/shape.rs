@@ -62,14 +62,14 @@ impl Around<'_> {
     /// The vertex after `at`, coming from `from`, if the line goes on there.
     fn beyond(&self, from: Key, at: Key) -> Option<(Key, Place)> {
         let v = self.ways(at)?;
-        if !v.goes_on() {
+        if !v.goes_on() || at.is_gate() {
             return None;
         }
         v.ways.iter().find(|w| w.to != from).map(|w| (w.to, w.place))
     }
 
     fn bend(&self, key: Key) -> Option<Bend> {
-        let v = self.ways(key)?;
+        let v = self.ways(key).filter(|_| !key.is_gate())?;
         let [a, b] = v.ways.as_slice() else { return None };
         if !v.goes_on() {
             return None;

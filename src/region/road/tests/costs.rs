@@ -61,7 +61,7 @@ fn distances_are_within_a_percent_of_a_search_of_everything() {
                 }
                 let found = distance(work, tier, a, b, &Cancel::new()).unwrap();
                 let corner = bounds.grown(4_000.0);
-                let strip = Strip::around(&[corner.min, corner.max], corner.size().length(), step);
+                let strip = Strip::around(&[corner.min, corner.max], corner.size().length(), step, None);
                 let mut field = open_ground(work, tier, [a, b], strip).unwrap();
                 let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
                 let line = stencil_distance(to - from) * step as f64;

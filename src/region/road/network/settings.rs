@@ -1,0 +1,83 @@
+//! Settings of roads in a finite domain: the defaults, and wider ranges than in the endless world.
+
+use crate::layer::RangeError;
+use crate::region::{RoadSettings, TierSettings};
+
+/// Spacings of the lattice in metres.
+const STEPS: (i64, i64) = (10, 20_000);
+/// Steepest slope of any road: what lies beyond the endless world's limits is dear, not forbidden, so that no settlement is
+/// cut off by a limit alone.
+const STEEPEST: f64 = 1.0;
+/// Distance in steps within which roads beside each other become one.
+const MERGE: f64 = 2.0;
+/// Greatest cost of a road over its beeline.
+const DETOUR: f64 = 40.0;
+
+impl RoadSettings {
+    /// Settings for a [`RoadNetwork`](crate::region::RoadNetwork) on a lattice of `step` metres. They differ from the
+    /// default so that no settlement is left out where land leads to it: every pair is a candidate, ways are searched on the
+    /// lattice itself, a road may cost 40 times its beeline, slopes beyond the usual limit have the cost that the
+    /// square of the slope gives them, and lengths that depend on the lattice grow with it.
+    pub fn finite(step: i64) -> Self {
+        let steps = step as f64;
+        let tier = |t: TierSettings| TierSettings {
+            reach: f64::INFINITY,
+            detour: DETOUR,
+            wide_step: 1,
+            corridor: t.corridor.max(6.0 * steps),
+            slope: t.slope * (STEEPEST / t.slope_limit) * (STEEPEST / t.slope_limit),
+            slope_limit: STEEPEST,
+            earthwork: f64::INFINITY,
+            // Two edges of the longest heading.
+            bridge_limit: t.bridge_limit.max(4.5 * steps),
+            radius: t.radius.min(2.0 * steps).max(10.0),
+            turn: t.turn * steps / 128.0,
+            ..t
+        };
+        let Self { highway, major, minor, .. } = Self::default();
+        Self { step, merge: MERGE * steps, highway: tier(highway), major: tier(major), minor: tier(minor) }
+    }
+
+    /// Checks the ranges for a finite domain. They are those of [`check`](Self::check), but for `step` (10 to 20,000),
+    /// `reach` (500 to infinite), `gamma` (1.01 to infinite: the relative neighbour graph), `detour` (1.1 to 1,000),
+    /// `corridor` and `bridge_limit` (up to 1,000,000), `earthwork` (1 to infinite), `slope` and `turn` (up to 10,000), and
+    /// `merge` (0 to 4 steps).
+    pub fn check_finite(&self) -> Result<(), RangeError> {
+        RangeError::check("step", self.step as f64, STEPS.0 as f64, STEPS.1 as f64)?;
+        RangeError::check("merge", self.merge, 0.0, 4.0 * self.step as f64)?;
+        let mut rest = self.clone();
+        (rest.step, rest.merge) = (Self::default().step, Self::default().merge);
+        for (name, t) in [("highway", &mut rest.highway), ("major", &mut rest.major), ("minor", &mut rest.minor)] {
+            let range =
+                |field: &str, value, low, high| RangeError::check(field, value, low, high).map_err(|e| e.within(name));
+            range("reach", t.reach, 500.0, f64::INFINITY)?;
+            range("gamma", t.gamma, 1.01, f64::INFINITY)?;
+            range("detour", t.detour, 1.1, 1_000.0)?;
+            range("corridor", t.corridor, 200.0, 1e6)?;
+            range("earthwork", t.earthwork, 1.0, f64::INFINITY)?;
+            range("bridge_limit", t.bridge_limit, 0.0, 1e6)?;
+            range("slope", t.slope, 0.0, 10_000.0)?;
+            range("turn", t.turn, 0.0, 10_000.0)?;
+            let d = TierSettings::default();
+            (t.reach, t.gamma, t.detour, t.corridor) = (d.reach, d.gamma, d.detour, d.corridor);
+            (t.earthwork, t.bridge_limit, t.slope, t.turn) = (d.earthwork, d.bridge_limit, d.slope, d.turn);
+        }
+        rest.check()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_in_range_for_every_step() {
+        for step in [10, 128, 400, 781, 4_000, 20_000] {
+            assert_eq!(RoadSettings::finite(step).check_finite(), Ok(()));
+        }
+        let mut s = RoadSettings::finite(400);
+        (s.minor.gamma, s.major.detour) = (f64::INFINITY, 0.5);
+        assert_eq!(s.check_finite().unwrap_err().field, "major.detour");
+        assert_eq!(RoadSettings::finite(5).check_finite().unwrap_err().field, "step");
+    }
+}

@@ -1,0 +1,302 @@
+//! Networks of finite domains against what is known of proximity graphs.
+
+use super::*;
+use crate::network::JunctionId;
+use crate::space::{Seed, math, point_in_polygon, segment_crossing, segments};
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A plain, or hills.
+struct Ground {
+    hills: f64,
+    read: Bounds,
+    outside: AtomicUsize,
+}
+
+impl Terrain for Ground {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        if !self.read.contains(p) {
+            self.outside.fetch_add(1, Ordering::Relaxed);
+        }
+        let wave = |x: f64, y: f64, length: f64| math::sin((p.x * x + p.y * y) * TAU / length);
+        let height = wave(0.8, 0.6, 9_300.0) + wave(-0.4, 0.9, 6_100.0) + 0.5 * wave(0.9, -0.5, 3_700.0);
+        // Only the highest hills have the sea in between.
+        let water_level = if self.hills > 1e3 { 0.0 } else { -1e4 };
+        TerrainSample { height: 500.0 + self.hills * height, water_level, vegetation: 0.0 }
+    }
+}
+
+fn ground(hills: f64, domain: Bounds) -> Arc<Ground> {
+    Arc::new(Ground { hills, read: domain, outside: AtomicUsize::new(0) })
+}
+
+fn settlement(i: usize, at: DVec2, size: SizeClass, radius: f64) -> Settlement {
+    let name = format!("{size:?} {i}");
+    Settlement { id: SettlementId(i as u64 + 1), centre: Origin::at(at), radius, size, style: String::new(), name }
+}
+
+/// Villages at random in a box, at least `apart` from each other.
+fn villages(seed: u64, count: usize, domain: Bounds, apart: f64) -> Vec<Settlement> {
+    let mut random = Seed(seed).stream("test", &[]);
+    let mut out: Vec<Settlement> = Vec::new();
+    while out.len() < count {
+        let at = domain.min + domain.size() * DVec2::new(random.unit(), random.unit());
+        if out.iter().all(|o| o.centre.plan().distance(at) >= apart + 2.0) {
+            out.push(settlement(out.len(), at, SizeClass::Village, 200.0));
+        }
+    }
+    out
+}
+
+fn settings(step: i64, gamma: f64) -> RoadSettings {
+    let mut s = RoadSettings::finite(step);
+    for t in [&mut s.highway, &mut s.major, &mut s.minor] {
+        t.gamma = gamma;
+        // The rule, and nothing else.
+        (t.settlement, t.vegetation) = (0.0, 0.0);
+    }
+    s
+}
+
+fn pairs(network: &RoadNetwork) -> Vec<(usize, usize)> {
+    network.links.iter().map(|l| (l.from.0 as usize - 1, l.to.0 as usize - 1)).collect()
+}
+
+/// How far the costs of two ways of one length may differ on the lattice: what ways pay for leaving their beeline by up to a
+/// few steps.
+const ERROR: f64 = 0.006;
+
+/// By how much the proximity rule keeps a pair (positive) or not: the least, over third settlements, of the power mean of
+/// both distances over the pair's, less 1.
+fn margin(all: &[Settlement], i: usize, j: usize, gamma: f64) -> f64 {
+    let d = |a: usize, b: usize| all[a].centre.offset_to(all[b].centre).length();
+    let of = |c: usize| {
+        let (p, q) = (d(i, c) / d(i, j), d(j, c) / d(i, j));
+        if gamma.is_infinite() { p.max(q) } else { math::pow(math::pow(p, gamma) + math::pow(q, gamma), 1.0 / gamma) }
+    };
+    (0..all.len()).filter(|c| *c != i && *c != j).map(of).fold(f64::INFINITY, f64::min) - 1.0
+}
+
+#[test]
+fn gamma_two_is_the_gabriel_graph_of_delaunays_edges() {
+    use spade::{DelaunayTriangulation, Point2, Triangulation};
+    let domain = Bounds::new(DVec2::new(-7_000.0, 3_000.0), DVec2::new(23_000.0, 33_000.0));
+    let mut decided = 0;
+    for seed in 0..6 {
+        let all = villages(seed, 24, domain, 750.0);
+        let mut mesh: DelaunayTriangulation<Point2<f64>> = DelaunayTriangulation::new();
+        let mut order = Vec::new();
+        for s in &all {
+            let at = s.centre.plan();
+            order.push(mesh.insert(Point2::new(at.x, at.y)).unwrap().index());
+        }
+        let named = |vertex: usize| order.iter().position(|v| *v == vertex).unwrap();
+        let edges: Vec<(usize, usize)> = mesh
+            .undirected_edges()
+            .map(|e| e.vertices().map(|v| named(v.index())))
+            .map(|[a, b]| (a.min(b), a.max(b)))
+            .collect();
+        let network = RoadNetwork::build(domain, ground(0.0, domain), &all, &settings(500, 2.0)).unwrap();
+        let kept = pairs(&network);
+        for i in 0..all.len() {
+            for j in i + 1..all.len() {
+                // A Gabriel edge is one of Delaunay's whose smallest circle holds no settlement.
+                let disc = |c: &Settlement| {
+                    let (a, b, c) = (all[i].centre.plan(), all[j].centre.plan(), c.centre.plan());
+                    (a - c).dot(b - c) < 0.0
+                };
+                let empty = !all.iter().enumerate().any(|(k, c)| k != i && k != j && disc(c));
+                let gabriel = edges.contains(&(i, j)) && empty;
+                if margin(&all, i, j, 2.0).abs() > ERROR {
+                    decided += 1;
+                    assert_eq!(kept.contains(&(i, j)), gabriel, "seed {seed}: {i} {j} {}", margin(&all, i, j, 2.0));
+                }
+            }
+        }
+    }
+    assert!(decided > 6 * 270, "{decided}");
+}
+
+#[test]
+fn gamma_without_end_is_the_relative_neighbour_graph() {
+    let domain = Bounds::new(DVec2::ZERO, DVec2::new(30_000.0, 24_000.0));
+    for seed in 10..16 {
+        let all = villages(seed, 24, domain, 750.0);
+        for gamma in [f64::INFINITY, 60.0] {
+            let network = RoadNetwork::build(domain, ground(0.0, domain), &all, &settings(500, gamma)).unwrap();
+            let kept = pairs(&network);
+            // At 60 the rule still differs from the lune's where both distances are nearly the pair's.
+            let error = ERROR + if gamma.is_infinite() { 0.0 } else { 0.012 };
+            for i in 0..all.len() {
+                for j in i + 1..all.len() {
+                    let margin = margin(&all, i, j, f64::INFINITY);
+                    if margin.abs() > error {
+                        assert_eq!(kept.contains(&(i, j)), margin > 0.0, "seed {seed}: {i} {j} {margin}");
+                    }
+                }
+            }
+            assert!(network.unreached.is_empty());
+        }
+    }
+}
+
+#[test]
+fn roads_grow_fewer_and_shorter_with_gamma() {
+    let domain = Bounds::new(DVec2::ZERO, DVec2::splat(40_000.0));
+    let mut all = villages(3, 28, domain, 1_500.0);
+    for (i, s) in all.iter_mut().enumerate() {
+        s.size = if i < 3 {
+            SizeClass::City
+        } else if i < 10 {
+            SizeClass::Town
+        } else {
+            SizeClass::Village
+        };
+    }
+    let figures = [1.2, 2.0, 8.0, f64::INFINITY].map(|gamma| {
+        let network = RoadNetwork::build(domain, ground(90.0, domain), &all, &settings(500, gamma)).unwrap();
+        assert!(network.unreached.is_empty());
+        (network.links.len(), network.length())
+    });
+    assert!(figures.windows(2).all(|w| w[0].0 >= w[1].0 && w[0].1 >= w[1].1), "{figures:?}");
+    assert!(figures[0].0 > 2 * figures[3].0 && figures[0].1 > 1.5 * figures[3].1, "{figures:?}");
+}
+
+/// Cities, towns and villages of all sizes at random, some of them as near to each other as is allowed.
+fn mixed(seed: u64, count: usize, domain: Bounds, step: f64) -> Vec<Settlement> {
+    let mut random = Seed(seed).stream("test", &[]);
+    let mut out: Vec<Settlement> = Vec::new();
+    while out.len() < count {
+        let mut at = domain.min + domain.size() * DVec2::new(random.unit(), random.unit());
+        if let Some(near) = out.last().filter(|_| random.chance(0.5)) {
+            at = near.centre.plan() + math::direction(random.range(0.0, TAU)) * step * random.range(1.51, 3.0);
+        }
+        let free = out.iter().all(|o| o.centre.plan().distance(at) >= 1.5 * step + 2.0);
+        if free && domain.grown(-1.0).contains(at) {
+            let size = [SizeClass::City, SizeClass::Town, SizeClass::Village, SizeClass::Village][random.index(4)];
+            out.push(settlement(out.len(), at, size, random.range(120.0, 1_700.0)));
+        }
+    }
+    out
+}
+
+#[test]
+fn every_settlement_is_reached_on_any_lattice_and_nothing_lies_outside() {
+    let domain = Bounds::new(DVec2::new(-9_000.0, -4_000.0), DVec2::new(9_000.0, 11_000.0));
+    let mut exact = 0;
+    for (seed, step) in [(1, 150), (2, 200), (3, 333), (4, 400), (5, 781), (6, 1_000), (7, 781), (8, 250)] {
+        let all = mixed(seed, 18, domain, step as f64);
+        let ground = ground(if seed % 2 == 0 { 60.0 } else { 900.0 }, domain);
+        let network = RoadNetwork::build(domain, ground.clone(), &all, &RoadSettings::finite(step)).unwrap();
+        assert_eq!(network.unreached, [], "seed {seed}");
+        assert_eq!(ground.outside.load(Ordering::Relaxed), 0);
+        exact += check(&network, domain, step);
+    }
+    assert!(exact > 60, "{exact}");
+}
+
+/// Roads lie in the domain, meet at junctions only, connect all settlements and lead through no disc. Gives the number of
+/// settlements at whose very centre roads end.
+fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
+    let mut exact = 0;
+    let origin = Origin::at(domain.centre());
+    let junctions = network.junctions(origin);
+    let at = |id| junctions[junctions.binary_search_by_key(&id, |j| j.id).unwrap()].at;
+    let mut lines = Vec::new();
+    for (i, road) in network.roads.iter().enumerate() {
+        let shift = road.origin.offset_to(origin);
+        for (a, b) in segments(&road.street.line) {
+            assert!(domain.contains(origin.to_plan(a + shift)) && domain.contains(origin.to_plan(b + shift)));
+            lines.push((i, a + shift, b + shift));
+        }
+        let (line, street) = (&road.street.line, &road.street);
+        assert_eq!([line[0] + shift, line[line.len() - 1] + shift], [at(street.from), at(street.to)]);
+    }
+    for (n, (i, a, b)) in lines.iter().enumerate() {
+        for (j, c, d) in &lines[n + 1..] {
+            if i != j
+                && let Some(x) = segment_crossing(*a, *b, *c, *d)
+            {
+                let (r, s) = (&network.roads[*i].street, &network.roads[*j].street);
+                let shared = [r.from, r.to].iter().any(|id| (*id == s.from || *id == s.to) && at(*id) == x.at);
+                assert!(shared, "{:?} and {:?} meet at {}", r.id, s.id, origin.to_plan(x.at));
+            }
+        }
+    }
+    // From every settlement all others can be reached.
+    let mut group: Vec<usize> = (0..junctions.len()).collect();
+    let index = |id| junctions.binary_search_by_key(&id, |j| j.id).unwrap();
+    for road in &network.roads {
+        let (from, to) = (group[index(road.street.from)], group[index(road.street.to)]);
+        group.iter_mut().filter(|g| **g == to).for_each(|g| *g = from);
+    }
+    for (s, outline) in network.settlements.iter().zip(&network.outlines) {
+        let shift = origin.offset_to(s.centre);
+        let polygon = &outline.polygon;
+        let own: Vec<_> = junctions.iter().filter(|j| polygon.contains(&(j.at + shift))).collect();
+        if own.is_empty() {
+            // A node: roads end at its centre, or near where the lattice allows no more.
+            let end = JunctionId::of(&[2, s.id.0, 0, 0]);
+            assert!(at(end).distance(shift * -1.0) < 1.1 * step as f64, "{}", s.name);
+            exact += usize::from(at(end) == shift * -1.0);
+            continue;
+        }
+        // Gates lead into a town, whose streets connect them.
+        let first = group[index(own[0].id)];
+        for gate in &own {
+            let other = group[index(gate.id)];
+            group.iter_mut().filter(|g| **g == other).for_each(|g| *g = first);
+        }
+        let inside = |p: DVec2| point_in_polygon(p + shift, polygon) && !polygon.contains(&(p + shift));
+        assert!(!lines.iter().any(|(_, a, b)| inside(*a) || inside(*b)), "a road leads through {}", s.name);
+    }
+    assert!(group.iter().all(|g| *g == group[0]));
+    exact
+}
+
+#[test]
+fn threads_change_nothing_and_a_cancelled_build_stops() {
+    let domain = Bounds::square(DVec2::new(3e6, -2e6), 20_000.0);
+    let all = mixed(11, 20, domain, 400.0);
+    let build = |task: &NetworkTask<'_>| {
+        RoadNetwork::build_as(domain, ground(60.0, domain), &all, &RoadSettings::finite(400), task)
+    };
+    let one = build(&NetworkTask::default()).unwrap();
+    assert_eq!(one, build(&NetworkTask { threads: 3, ..NetworkTask::default() }).unwrap());
+    let mut reversed = all.clone();
+    reversed.reverse();
+    assert_eq!(one, RoadNetwork::build(domain, ground(60.0, domain), &reversed, &RoadSettings::finite(400)).unwrap());
+    let task = NetworkTask::default();
+    task.cancel.cancel();
+    assert_eq!(build(&task), Err(NetworkError::Layer(LayerError::Cancelled)));
+}
+
+#[test]
+fn what_cannot_be_built_is_named() {
+    let domain = Bounds::new(DVec2::ZERO, DVec2::splat(10_000.0));
+    let village = |i, x: f64, y: f64| settlement(i, DVec2::new(x, y), SizeClass::Village, 200.0);
+    let refuse = |all: &[Settlement], step: i64, level: f64| {
+        let terrain = ground(level, domain);
+        RoadNetwork::build(domain, terrain, all, &RoadSettings::finite(step)).unwrap_err()
+    };
+    let (a, b) = (village(0, 1_000.0, 1_000.0), village(1, 5_000.0, 2_000.0));
+    assert_eq!(refuse(std::slice::from_ref(&a), 400, 0.0), NetworkError::TooFew(1));
+    let cases = [
+        (village(2, 10_500.0, 0.0), 0.0, "Village 2 at 10500,0 m lies outside of the domain; allowed is x 0 to 10000"),
+        (
+            village(2, 5_300.0, 2_000.0),
+            0.0,
+            "Village 2 lies 300 m from Village 1; allowed are 1.5 steps of the lattice, 600 m",
+        ),
+        (village(1, 9_000.0, 2_000.0), 0.0, "Village 1 has the id of Village 1; allowed is each once"),
+        (village(2, 2_500.0, 8_000.0), 1e4, "of water; allowed is dry ground"),
+    ];
+    for (bad, hills, expected) in cases {
+        let all = if hills > 0.0 { vec![bad.clone(), bad] } else { vec![a.clone(), b.clone(), bad] };
+        let error = refuse(&all, 400, hills);
+        let NetworkError::Settlement { reason, .. } = &error else { panic!("{error}") };
+        assert!(reason.contains(expected), "{reason}");
+    }
+    assert!(matches!(refuse(&[a.clone(), b.clone()], 9_000, 0.0), NetworkError::Range(_)));
+    assert!(matches!(refuse(&[a, b], 5, 0.0), NetworkError::Range(_)));
+}
