@@ -7,6 +7,9 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin, line_length, point_at};
 use glam::DVec2;
 
+/// Least height of a deck above water, in metres.
+const DECK_CLEARANCE: f64 = 1.0;
+
 /// What the chunk `coord` of edge `size` metres owns.
 pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
@@ -20,8 +23,12 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
     }
     for found in overlap.streets {
         if found.it.street.bridge {
-            let height = |p| Ground::height_at(&**layers.terrain(), origin.to_plan(p));
-            chunk.decks.push(Deck::of_street(&found.it.street.moved(found.origin.offset_to(origin)), height));
+            let floor = |p| {
+                let (plan, terrain) = (origin.to_plan(p), &**layers.terrain());
+                let (ground, at) = (Ground::height_at(terrain, plan), terrain.sample(plan));
+                if at.depth() > 0.0 { ground.max(at.water_level + DECK_CLEARANCE) } else { ground }
+            };
+            chunk.decks.push(Deck::new(&found.it.street.moved(found.origin.offset_to(origin)), floor));
         }
         if street_owner(found.origin, &found.it.street, size) == coord {
             chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));

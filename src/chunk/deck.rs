@@ -1,6 +1,6 @@
 //! Decks of bridges: what one stands on where there is no ground underfoot.
 
-use crate::network::{Street, StreetClass};
+use crate::network::{Street, StreetId};
 use crate::space::{closest_on_segment, cut_line, left_normal, line_length, resample};
 use glam::DVec2;
 
@@ -13,13 +13,15 @@ const DECK_STEP: f64 = 8.0;
 /// Length of a street at each of its ends, in metres, that belongs to the junction there: it lies on the ground, and a
 /// bridge's deck begins behind it.
 pub fn junction_reach(street: &Street) -> f64 {
-    (street.length() * 0.4).min(18.0)
+    (street.length() * 0.4).min(if street.bridge { 4.0 } else { 18.0 })
 }
 
 /// The deck of a bridge: it runs straight from the height of one end to that of the other, higher only where the ground
 /// between is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deck {
+    /// The bridge.
+    pub street: StreetId,
     /// Centre line, local to the chunk.
     pub line: Vec<DVec2>,
     /// Height of the carriageway at each point of the line, in metres.
@@ -29,28 +31,23 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// The deck of a bridge between the parts that belong to the junctions at its ends. `ground` is the height of the drawn
-    /// ground at a local point.
-    pub fn of_street(street: &Street, ground: impl FnMut(DVec2) -> f64) -> Self {
+    /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` is the height that it
+    /// stays above at a local point: of the drawn ground or of water.
+    pub fn new(street: &Street, mut floor: impl FnMut(DVec2) -> f64) -> Self {
         let (length, end) = (street.length(), junction_reach(street));
-        Self::along(&cut_line(&street.line, end, length - end), street.class, ground)
-    }
-
-    /// The deck along a line of at least two points.
-    pub fn along(line: &[DVec2], class: StreetClass, mut ground: impl FnMut(DVec2) -> f64) -> Self {
-        let (line, half_width) = (resample(line, DECK_STEP), class.half_width());
-        let last = line.len() - 1;
-        let ends = [line[0], line[last]].map(|p| ground(p) + ROAD_LIFT);
+        let line = resample(&cut_line(&street.line, end, length - end), DECK_STEP);
+        let (last, half_width) = (line.len() - 1, street.class.half_width());
+        let ends = [line[0], line[last]].map(|p| floor(p) + ROAD_LIFT);
         let length = line_length(&line).max(1e-3);
         let (mut along, mut heights) = (0.0, Vec::with_capacity(line.len()));
         for (i, &p) in line.iter().enumerate() {
             along += if i > 0 { p.distance(line[i - 1]) } else { 0.0 };
             let way = (line[(i + 1).min(last)] - line[i.max(1) - 1]).normalize_or_zero();
             let across = left_normal(way) * half_width;
-            let highest = [across, DVec2::ZERO, -across].map(|q| ground(p + q)).into_iter().fold(f64::MIN, f64::max);
+            let highest = [across, DVec2::ZERO, -across].map(|q| floor(p + q)).into_iter().fold(f64::MIN, f64::max);
             heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(highest + ROAD_LIFT));
         }
-        Self { line, heights, half_width }
+        Self { street: street.id, line, heights, half_width }
     }
 
     /// Height of the deck at a local point, if the point lies on it.
@@ -70,7 +67,7 @@ impl Deck {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::{JunctionId, StreetId};
+    use crate::network::{JunctionId, StreetClass};
 
     #[test]
     fn a_deck_runs_from_bank_to_bank_above_the_ground() {
@@ -84,7 +81,7 @@ mod tests {
         let line = vec![DVec2::ZERO, DVec2::X * 200.0];
         let street =
             Street { bridge: true, ..Street::new(StreetId(1), StreetClass::Minor, JunctionId(1), JunctionId(2), line) };
-        let deck = Deck::of_street(&street, ground);
+        let deck = Deck::new(&street, ground);
         let reach = junction_reach(&street);
         let at = |x: f64, y: f64| deck.height(DVec2::new(x, y));
         assert!((at(reach + 0.01, 0.0).unwrap() - ground(DVec2::X * reach) - ROAD_LIFT).abs() < 0.01);

@@ -1,8 +1,9 @@
 //! Laying flat shapes on the drawn ground: they are cut along the ground's triangles, so that they follow it exactly and
 //! it never shows through.
 
-use crate::chunk::{Chunk, GROUND_STEP};
+use crate::chunk::{Chunk, Deck, GROUND_STEP};
 use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::network::StreetId;
 use crate::space::{Bounds, cross};
 use crate::terrain::Terrain;
 use glam::{DVec2, DVec3, IVec2};
@@ -48,6 +49,11 @@ impl<'a> Surface<'a> {
             }
         }
         surface
+    }
+
+    /// The deck of a bridge.
+    pub fn deck(&self, bridge: StreetId) -> Option<&'a Deck> {
+        self.chunk.decks.iter().find(|d| d.street == bridge)
     }
 
     fn is_inside(&self, at: IVec2) -> bool {

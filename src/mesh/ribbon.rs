@@ -122,8 +122,7 @@ pub(super) fn street(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &
         return;
     }
     if street.bridge {
-        let deck = Deck::of_street(street, |p| surface.height(p));
-        bridge(surface, out, &deck, street.class);
+        bridge(surface, out, street);
         return;
     }
     let line = cut_line(&street.line, end, length - end);
@@ -149,8 +148,7 @@ pub(super) fn far_street(surface: &mut Surface<'_>, out: &mut MeshBuffers, stree
     }
     let half = street.class.half_width();
     if street.bridge {
-        let deck = Deck::along(&street.line, street.class, |p| surface.height(p));
-        bridge(surface, out, &deck, street.class);
+        bridge(surface, out, street);
         return;
     }
     let (left, right) = (beside(&street.line, half), beside(&street.line, -half));
@@ -166,11 +164,11 @@ const DECK: f64 = 0.9;
 const PARAPET: f64 = 1.0;
 
 /// A bridge: its deck with parapets, on piers.
-fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, deck: &Deck, class: StreetClass) {
-    let Deck { line, heights, half_width: outer } = deck;
+fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &Street) {
+    let Some(Deck { line, heights, half_width: outer, .. }) = surface.deck(street.id) else { return };
     let (left, right) = (beside(line, *outer), beside(line, -outer));
     let (inner_left, inner_right) = (beside(line, outer - 0.3), beside(line, 0.3 - outer));
-    let carriageway = carriageway_colour(class);
+    let carriageway = carriageway_colour(street.class);
     for i in 0..line.len() - 1 {
         let at = |side: &[DVec2], k: usize, up: f64| side[i + k].extend(heights[i + k] + up);
         let quad = |out: &mut MeshBuffers, a: (&[DVec2], f64), b: (&[DVec2], f64), colour| {

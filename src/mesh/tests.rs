@@ -1,6 +1,6 @@
 //! Meshes of hand-made chunks on hilly ground.
 
-use crate::chunk::{Chunk, Ground, PlacedStreet};
+use crate::chunk::{Chunk, Deck, Ground, PlacedStreet};
 use crate::layer::Cancel;
 use crate::mesh::{ChunkMesh, Detail, MeshBuffers, build};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
@@ -213,6 +213,9 @@ fn bridges_span_and_long_roads_leave_the_square() {
         let mut street =
             Street::new(StreetId::of(&[k as u64]), StreetClass::Major, id(k as u64), id(k as u64 + 1), line);
         street.bridge = k == 1;
+        if street.bridge {
+            chunk.decks.push(Deck::new(&street, |p| chunk.ground.height(p)));
+        }
         chunk.streets.push(PlacedStreet { street, made_by: None });
     }
     let mut junctions: Vec<Junction> = (1..3).map(|k| Junction { id: id(k as u64), at: ends[k] }).collect();

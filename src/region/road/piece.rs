@@ -14,8 +14,10 @@ use std::sync::Arc;
 
 /// Share of a step of the lattice after which lines are looked at for water: 8 m of 128.
 const WATER_STEP: f64 = 1.0 / 16.0;
+/// How far a bridge reaches onto land at each end, in metres, so that its ends lie above the water.
+const ABUTMENT: f64 = 8.0;
 /// Land between two bridges that is shorter, in metres, is bridged too.
-const SHORT_LAND: f64 = 40.0;
+const SHORT_LAND: f64 = 24.0;
 /// A bridge that ends this near a junction, in metres, goes on to it.
 const SHORT_END: f64 = 20.0;
 
@@ -250,7 +252,7 @@ fn parts(work: &Work, origin: Origin, line: &[DVec2]) -> Vec<((f64, f64), bool)>
         if work.terrain.sample(origin.to_plan(p)).depth() <= 0.0 {
             continue;
         }
-        let (from, to) = ((i as f64 - 1.0) * step, (i as f64 + 1.0) * step);
+        let (from, to) = ((i as f64 - 1.0) * step - ABUTMENT, (i as f64 + 1.0) * step + ABUTMENT);
         match wet.last_mut() {
             Some(last) if from - last.1 < SHORT_LAND => last.1 = to,
             _ => wet.push((from, to)),
