@@ -6,12 +6,14 @@
 //! those near its neighbours.
 
 mod border;
+pub mod edits;
 pub mod outline;
 mod profile;
 pub mod road;
 pub mod settlement;
 
 pub use border::Border;
+pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
 pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, Road, RoadSettings, Roads, TierSettings};
 pub use settlement::{
