@@ -214,11 +214,7 @@ impl Edits {
 
     /// Checks all that can be known without a world: ranges, counts of points, borders that cross themselves.
     pub fn check(&self) -> Result<(), RejectedEdit> {
-        fn all<T>(
-            list: EditList,
-            edits: &[T],
-            check: impl Fn(&T) -> Result<(), String>,
-        ) -> Result<(), RejectedEdit> {
+        fn all<T>(list: EditList, edits: &[T], check: impl Fn(&T) -> Result<(), String>) -> Result<(), RejectedEdit> {
             edits
                 .iter()
                 .enumerate()
@@ -235,9 +231,9 @@ fn number(field: &str, value: f64, (low, high): (f64, f64)) -> Result<(), String
 }
 
 fn place(field: &str, p: DVec2) -> Result<(), String> {
-    [("x", p.x), ("y", p.y)].into_iter().try_for_each(|(axis, v)| {
-        number(&format!("{field}.{axis}"), v, (-FARTHEST, FARTHEST))
-    })
+    [("x", p.x), ("y", p.y)]
+        .into_iter()
+        .try_for_each(|(axis, v)| number(&format!("{field}.{axis}"), v, (-FARTHEST, FARTHEST)))
 }
 
 /// Points of a line, of which no two neighbours are the same.
@@ -258,7 +254,8 @@ impl SettlementEdit {
         match self {
             Self::Pin { at, name, radius, .. } => {
                 place("at", *at)?;
-                if name.as_ref().is_some_and(|n| n.is_empty() || n.len() > LONGEST_NAME || n.contains(char::is_control)) {
+                if name.as_ref().is_some_and(|n| n.is_empty() || n.len() > LONGEST_NAME || n.contains(char::is_control))
+                {
                     return Err(format!("name is not 1 to {LONGEST_NAME} bytes on one line"));
                 }
                 radius.map_or(Ok(()), |r| number("radius", r, RADII))

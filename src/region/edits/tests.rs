@@ -30,7 +30,10 @@ fn wrong_edits_are_found_at_their_line_and_column() {
             "(\n settlements: [\n  Ban(at: (0, 0), radius: 5),\n  Pin(at: (NaN, 2), size: Town),\n ],\n)",
             "e.ron:4:3: settlements[1]: at.x is NaN; allowed is -1",
         ),
-        ("(settlements: [Pin(at: (1, 2), size: Town, radius: 50)])", "e.ron:1:16: settlements[0]: radius is 50; allowed is 120"),
+        (
+            "(settlements: [Pin(at: (1, 2), size: Town, radius: 50)])",
+            "e.ron:1:16: settlements[0]: radius is 50; allowed is 120",
+        ),
         (
             "(\n influences: [\n  (shape: Area([(0, 0), (9, 9), (9, 0), (0, 9)]), radius: 100, strength: 1)],\n)",
             "e.ron:3:3: influences[0]: the border of the area crosses itself at 4.5,4.5",
@@ -60,7 +63,10 @@ Edits( // roads: [a]
 )"##;
     let edits: Edits = Edits::from_ron("e.ron", text).unwrap();
     let of = |list: EditList, count: usize| {
-        (0..count).map(|i| text::element(text, list.name(), i)).map(move |b| b.map(|b| &text[b..b + 3])).collect::<Vec<_>>()
+        (0..count)
+            .map(|i| text::element(text, list.name(), i))
+            .map(move |b| b.map(|b| &text[b..b + 3]))
+            .collect::<Vec<_>>()
     };
     assert_eq!(of(EditList::Settlements, 3), [Some("Pin"), Some("Ban"), None]);
     assert_eq!(of(EditList::Roads, edits.roads.len() + 1), [Some("Kee"), Some("Ban"), None]);

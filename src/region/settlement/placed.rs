@@ -76,7 +76,8 @@ fn unfit(terrain: &dyn Terrain, centre: DVec2, max_slope: f64) -> Option<String>
         let course = site::Course { centre, way, from: 0.0, limit: 1.5 * least, fine: f64::INFINITY };
         site::ray(&mut ground, course, max_slope).reach < least
     });
-    blocked.then(|| format!("{},{} has water or steep ground within {least} m; allowed is even land", centre.x, centre.y))
+    blocked
+        .then(|| format!("{},{} has water or steep ground within {least} m; allowed is even land", centre.x, centre.y))
 }
 
 impl Settlements {
@@ -111,7 +112,8 @@ impl Settlements {
                     }
                 }
                 SettlementEdit::Move { from, to } => self.moving(*from).map_err(|e| e.to_string()).and_then(|found| {
-                    let found = found.ok_or_else(|| format!("no settlement of a lattice is at {},{}", from.x, from.y))?;
+                    let found =
+                        found.ok_or_else(|| format!("no settlement of a lattice is at {},{}", from.x, from.y))?;
                     Ok(Settlement { centre: Origin::at(*to + 0.5), ..Settlement::clone(&found) })
                 }),
                 SettlementEdit::Ban { .. } => continue,
@@ -164,7 +166,11 @@ impl Settlements {
 
     fn fits(&self, s: &Settlement) -> Result<(), String> {
         if let Some(i) = self.rival(s.centre, s.radius) {
-            return Err(format!("too near the settlement of {}[{}]", EditList::Settlements.name(), self.placed.edits[i]));
+            return Err(format!(
+                "too near the settlement of {}[{}]",
+                EditList::Settlements.name(),
+                self.placed.edits[i]
+            ));
         }
         unfit(&*self.terrain.0, s.centre.plan(), self.settings.max_slope).map_or(Ok(()), Err)
     }
