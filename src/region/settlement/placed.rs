@@ -167,7 +167,7 @@ impl Settlements {
     fn fits(&self, s: &Settlement) -> Result<(), String> {
         if let Some(i) = self.rival(s.centre, s.radius) {
             return Err(format!(
-                "too near the settlement of {}[{}]",
+                "too near that of {}[{}]; allowed is further from it",
                 EditList::Settlements.name(),
                 self.placed.edits[i]
             ));
@@ -175,3 +175,6 @@ impl Settlements {
         unfit(&*self.terrain.0, s.centre.plan(), self.settings.max_slope).map_or(Ok(()), Err)
     }
 }
+
+#[cfg(test)]
+mod tests;
