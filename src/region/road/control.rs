@@ -88,13 +88,21 @@ pub(super) enum Wish {
     Ban,
 }
 
+/// An edit of a road: the wish, the settlements, the lower id first, and its index.
+#[derive(Debug)]
+struct Wished {
+    wish: Wish,
+    ends: [Arc<Settlement>; 2],
+    index: usize,
+}
+
 /// All edits of roads.
 #[derive(Debug, Default)]
 pub(super) struct Control {
     terms: Vec<Term>,
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
-    /// By pair, the lower id first, with the ends and the index of the edit.
-    wishes: BTreeMap<(SettlementId, SettlementId), (Wish, [Arc<Settlement>; 2], usize)>,
+    /// By pair, the lower id first.
+    wishes: BTreeMap<(SettlementId, SettlementId), Wished>,
     /// Edits that cannot be.
     pub rejected: Vec<RejectedEdit>,
 }
@@ -122,12 +130,12 @@ impl Control {
 
     fn add(&mut self, index: usize, ends: [Arc<Settlement>; 2], wish: Wish) -> Result<(), String> {
         let key = (ends[0].id, ends[1].id);
-        if let Some((_, _, before)) = self.wishes.get(&key) {
+        if let Some(Wished { index: before, .. }) = self.wishes.get(&key) {
             return Err(format!(
                 "roads[{before}] is about the same two settlements; allowed is one edit for each pair"
             ));
         }
-        self.wishes.insert(key, (wish, ends, index));
+        self.wishes.insert(key, Wished { wish, ends, index });
         Ok(())
     }
 
@@ -158,7 +166,7 @@ impl Control {
         if self.wishes.is_empty() {
             return None;
         }
-        self.wishes.get(&(a.id.min(b.id), a.id.max(b.id))).map(|w| &w.0)
+        self.wishes.get(&(a.id.min(b.id), a.id.max(b.id))).map(|w| &w.wish)
     }
 
     /// Whether the user wants a road, whatever the proximity rule says.
@@ -176,7 +184,7 @@ impl Control {
 
     /// Wanted roads: the index of each edit, the settlements, the lower id first, and what is wanted.
     pub fn wanted(&self) -> impl Iterator<Item = (usize, &[Arc<Settlement>; 2], &Wish)> {
-        self.wishes.values().filter(|w| w.0 != Wish::Ban).map(|(wish, ends, index)| (*index, ends, wish))
+        self.wishes.values().filter(|w| w.wish != Wish::Ban).map(|w| (w.index, &w.ends, &w.wish))
     }
 }
 

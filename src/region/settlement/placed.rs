@@ -17,6 +17,9 @@ const WORD: u64 = 0x0070_696e;
 /// Rays that the ground of a place is looked at along.
 const RAYS: usize = 32;
 
+/// A circle: the square around it, with its centre and radius.
+type Circle = GeomWithData<Rectangle<[f64; 2]>, (DVec2, f64)>;
+
 /// What edits change of the settlements of the lattices.
 #[derive(Debug, Default)]
 pub(super) struct Placed {
@@ -25,8 +28,8 @@ pub(super) struct Placed {
     edits: Vec<usize>,
     /// Centres of the placed settlements, with their index.
     centres: RTree<GeomWithData<[f64; 2], usize>>,
-    /// Circles without settlements: the square around each, with centre and radius.
-    bans: RTree<GeomWithData<Rectangle<[f64; 2]>, (DVec2, f64)>>,
+    /// Where there are no settlements of a lattice.
+    bans: RTree<Circle>,
     /// Settlements of a lattice that stand elsewhere, sorted.
     moved: Vec<SettlementId>,
     /// Greatest radius of a placed settlement.

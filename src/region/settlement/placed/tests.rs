@@ -38,7 +38,7 @@ fn pins_stand_where_they_fit_and_change_only_what_is_too_near() {
         stood += 1;
         let pinned = after.iter().find(|s| s.centre.plan() == at).unwrap();
         assert_eq!(edited.at(at).unwrap().as_ref(), Some(pinned));
-        assert_eq!(edited.centred_in_of(Bounds::square(at, 2.0), size).unwrap(), [pinned.clone()]);
+        assert_eq!(edited.centred_in_of(Bounds::square(at, 2.0), size).unwrap(), std::slice::from_ref(pinned));
         assert!(edited.overlapping(Bounds::square(at + pinned.radius * 0.5, 2.0)).unwrap().contains(pinned));
         let outline = edited.outline(pinned).unwrap();
         assert!(outline.polygon.len() >= 6 && signed_area(&outline.polygon) > 0.0);
