@@ -6,6 +6,7 @@ mod audit;
 mod route;
 mod settings;
 
+pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};
@@ -21,7 +22,7 @@ use crate::terrain::{NoiseTerrain, Terrain};
 use glam::DVec2;
 use std::sync::Arc;
 
-/// An endless world, a pure function of seed, settings and assets. Cheap to clone; clones share their caches.
+/// An endless world, a pure function of seed, settings, assets and edits. Cheap to clone; clones share their caches.
 ///
 /// ```
 /// use bevy_sprawl::{layer::Cancel, space::{ChunkCoord, Seed}, world::{Settings, World, WorldAssets}};
@@ -40,6 +41,7 @@ struct Inner {
     seed: Seed,
     settings: Settings,
     assets: WorldAssets,
+    edits: Edits,
     layers: Layers,
     chunks: LayerCache<ChunkCoord, Chunk>,
 }
@@ -61,9 +63,15 @@ impl World {
     /// A world on the default terrain. Fails on settings outside their ranges, and when a style or patch set that is
     /// named is missing from the assets.
     pub fn new(seed: Seed, settings: Settings, assets: WorldAssets) -> Result<Self, WorldError> {
+        Self::with_edits(seed, settings, assets, Edits::default())
+    }
+
+    /// A world on the default terrain with the user's wishes. Fails as [`World::new`] does, and on edits that
+    /// [`Edits::check`] refuses. Those that this world cannot fulfil are left out: see [`World::rejected_edits`].
+    pub fn with_edits(seed: Seed, settings: Settings, assets: WorldAssets, edits: Edits) -> Result<Self, WorldError> {
         settings.check()?;
         let terrain = Arc::new(NoiseTerrain::new(seed, &settings.terrain));
-        Self::on_terrain(seed, settings, assets, terrain)
+        Self::on_terrain_with_edits(seed, settings, assets, terrain, edits)
     }
 
     /// A world on a terrain of your own; `settings.terrain` is not used. Fails as [`World::new`] does.
@@ -73,15 +81,30 @@ impl World {
         assets: WorldAssets,
         terrain: Arc<dyn Terrain>,
     ) -> Result<Self, WorldError> {
+        Self::on_terrain_with_edits(seed, settings, assets, terrain, Edits::default())
+    }
+
+    /// The same with the user's wishes. Fails as [`World::with_edits`] does.
+    pub fn on_terrain_with_edits(
+        seed: Seed,
+        settings: Settings,
+        assets: WorldAssets,
+        terrain: Arc<dyn Terrain>,
+        edits: Edits,
+    ) -> Result<Self, WorldError> {
         settings.check()?;
+        edits.check()?;
         let kits = assets.kits(&settings)?;
         let mib = |mib: f64| (mib * 1024.0 * 1024.0) as usize;
         let region = mib(settings.cache.region_mib);
-        let settlements = Arc::new(Settlements::new(seed, &settings.settlements, terrain.clone(), region / 4));
-        let roads = Roads::new(&settings.roads, terrain.clone(), settlements.clone(), region / 4 * 3);
+        let has_style = |style: &str| assets.styles.contains_key(style);
+        let (wishes, ground) = (&edits.settlements, terrain.clone());
+        let settlements = Settlements::with_edits(seed, &settings.settlements, ground, wishes, has_style, region / 4);
+        let settlements = Arc::new(settlements);
+        let roads = Roads::with_edits(&settings.roads, terrain.clone(), settlements.clone(), &edits, region / 4 * 3);
         let layers = Layers::new(seed, terrain, settlements, roads, kits, mib(settings.cache.town_mib));
         let chunks = LayerCache::new(mib(settings.cache.chunk_mib));
-        Ok(Self { inner: Arc::new(Inner { seed, settings, assets, layers, chunks }) })
+        Ok(Self { inner: Arc::new(Inner { seed, settings, assets, edits, layers, chunks }) })
     }
 
     /// Settings it was made with.
@@ -92,6 +115,18 @@ impl World {
     /// Styles and patch sets it was made with.
     pub fn assets(&self) -> &WorldAssets {
         &self.inner.assets
+    }
+
+    /// Edits it was made with.
+    pub fn edits(&self) -> &Edits {
+        &self.inner.edits
+    }
+
+    /// The edits that cannot be in this world, and why; it is the world without them. Makes the roads that edits want.
+    pub fn rejected_edits(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
+        let mut out = self.settlements().rejected_edits().to_vec();
+        out.extend(self.roads().rejected_edits(cancel)?);
+        Ok(out)
     }
 
     /// The seed it was made with.

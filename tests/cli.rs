@@ -91,6 +91,59 @@ fn bad_input_is_refused_in_one_line() {
 }
 
 #[test]
+fn a_wrong_file_of_edits_is_refused_at_its_line() {
+    let cases = [
+        ("colour", "(\n  settlements: [\n    Ban(at: (0, 0), colour: 3),\n  ],\n)", "colour.ron:3:"),
+        (
+            "range",
+            "(\n  settlements: [\n    Ban(at: (0, 0), radius: -1),\n  ],\n)",
+            "range.ron:3:5: settlements[0]: radius is -1",
+        ),
+        (
+            "cross",
+            "(\n  influences: [\n    (shape: Area([(0, 0), (9, 9), (9, 0), (0, 9)]), radius: 99, strength: 1),\n  ],\n)",
+            "cross.ron:3:5: influences[0]: the border of the area crosses itself at 4.5,4.5",
+        ),
+        ("few", "(roads: [Via(from: (0, 0), to: (1, 1), points: [])])", "few.ron:1:10: roads[0]: points has 0 points"),
+    ];
+    for (name, text, expected) in cases {
+        let path = file(&format!("{name}.ron"), text);
+        let line = refused(&["settlements", "--edits", &path.to_string_lossy()]);
+        assert!(line.contains(expected), "{line}");
+    }
+    assert!(refused(&["stats", "--edits", "missing.ron"]).contains("missing.ron: "));
+}
+
+#[test]
+fn edits_that_cannot_be_are_named_and_the_world_goes_on() {
+    let (x, y) = city().split_once(',').expect("two numbers");
+    let text = format!(
+        "(\n  settlements: [\n    Ban(at: ({x}, {y}), radius: 1),\n    Pin(at: (0, 0), size: Town, style: \"roman\"),\n  ],\n  \
+         roads: [ // none of these\n    Keep(from: ({x}, {y}), to: (1e9, 0)),\n  ],\n)"
+    );
+    let path = file("rejected.ron", &text);
+    let path = path.to_string_lossy();
+    let at = city();
+    let arguments = ["settlements", "--seed", "5", "--at", at, "--size", "9000", "--edits", &path, "--json"];
+    let output = sprawl(&arguments);
+    assert!(output.status.success());
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let lines = String::from_utf8(output.stderr).expect("UTF-8");
+    let rejected: Vec<&str> =
+        report["rejected_edits"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    let warned: Vec<&str> = lines.lines().filter_map(|l| l.strip_prefix("sprawl: warning: ")).collect();
+    assert_eq!(rejected, warned);
+    let expected =
+        ["rejected.ron:4:5: settlements[1]: style `roman`", "rejected.ron:7:5: roads[0]: no settlement is at"];
+    assert_eq!(rejected.len(), expected.len(), "{rejected:?}");
+    assert!(rejected.iter().zip(expected).all(|(r, e)| r.contains(e)), "{rejected:?}");
+    let settlements = report["settlements"].as_array().expect("a list");
+    assert!(!settlements.is_empty() && settlements.iter().all(|s| s["sigma"] != 2), "the city is banned");
+    let plain = json(&["settlements", "--seed", "5", "--at", at, "--size", "9000"]);
+    assert!(plain.get("rejected_edits").is_none());
+}
+
+#[test]
 fn patch_sets_are_checked_and_drawn() {
     let report = json(&["patches", "check", "assets"]);
     assert_eq!(report["errors"].as_array().map(Vec::len), Some(0));

@@ -1,4 +1,4 @@
-//! The one promise: what is made depends on seed, settings and assets alone, wherever, whenever and on whichever thread.
+//! The one promise: what is made depends on seed, settings, assets and edits alone, wherever, whenever and on whichever thread.
 
 use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
@@ -6,7 +6,7 @@ use bevy_sprawl::region::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
 use bevy_sprawl::town::MainStreet;
-use bevy_sprawl::world::{Fault, Settings, World, WorldAssets, audit, unreached_gates};
+use bevy_sprawl::world::{Edits, Fault, Settings, World, WorldAssets, audit, unreached_gates};
 use glam::DVec2;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -40,6 +40,32 @@ fn conurbation() -> Settings {
 fn block(middle: ChunkCoord) -> Vec<ChunkCoord> {
     let steps = || -1..=1;
     steps().flat_map(|y| steps().map(move |x| ChunkCoord::new(middle.0.x + x, middle.0.y + y))).collect()
+}
+
+#[test]
+fn edits_change_what_they_name_and_nothing_far_away() {
+    let plain = world(5, &Settings::default());
+    let text = r#"(
+        settlements: [Pin(at: (-5900, 2500), size: Town, style: "grid"), Ban(at: (8711, 3226), radius: 500)],
+        influences: [(shape: Point((1000, 1000)), radius: 900, strength: -0.5)],
+    )"#;
+    let edits = Edits::from_ron("edits.ron", text).expect("it is right");
+    let edited = || {
+        World::with_edits(Seed(5), Settings::default(), WorldAssets::bundled(), edits.clone())
+            .expect("settings are valid")
+    };
+    let (first, again) = (edited(), edited());
+    assert_eq!(first.rejected_edits(&Cancel::new()), Ok(vec![]));
+    let pinned = ChunkCoord::containing(DVec2::new(-5900.0, 2500.0), 512);
+    let chunk = |world: &World, at: ChunkCoord| print(&world.chunk(at, &Cancel::new()).expect("not cancelled"));
+    assert_ne!(chunk(&plain, pinned), chunk(&first, pinned));
+    let far = built_up(&plain, DVec2::new(300_000.0, -150_000.0));
+    for at in [far, ChunkCoord::new(far.0.x + 1, far.0.y)] {
+        assert_eq!(chunk(&plain, at), chunk(&first, at));
+    }
+    // The other way round, with what is far made first.
+    assert_eq!(chunk(&again, far), chunk(&first, far));
+    assert_eq!(chunk(&again, pinned), chunk(&first, pinned));
 }
 
 proptest! {

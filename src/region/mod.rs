@@ -3,15 +3,17 @@
 //! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
 //! the outlines of settlements, in gates, so outlines are made here. Settlements that stand close enough touch: they share a
 //! border, from which both outlines take their vertices. A border reads the settlements near its two, so an outline reads
-//! those near its neighbours.
+//! those near its neighbours. What the user wants of both is in `edits`, which read nothing and are read by both.
 
 mod border;
+pub mod edits;
 pub mod outline;
 mod profile;
 pub mod road;
 pub mod settlement;
 
 pub use border::Border;
+pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
 pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{

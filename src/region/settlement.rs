@@ -2,25 +2,31 @@
 //!
 //! A lattice cell tries a few places of its own and takes the most suitable. A place too near a settlement of a higher
 //! tier is no place; of two of one tier that are too near each other, the one of higher rank, a hash, stays. Both rules
-//! look at near cells only and at nothing that was decided before, so the order of queries changes nothing.
+//! look at near cells only and at nothing that was decided before, so the order of queries changes nothing. What the user
+//! pinned, moved and banned is applied to the lattices as they then are: `placed`.
 
 mod name;
+mod placed;
 mod settings;
 pub(super) mod site;
 mod table;
 
+pub(super) use settings::RADII;
 pub use settings::{PerSize, SettlementSettings};
 pub use table::{SettlementRow, SettlementTable};
 
 use crate::layer::{LayerCache, LayerError, Reach, Weigh};
 use crate::region::border::Found;
+use crate::region::edits::{RejectedEdit, SettlementEdit};
 use crate::region::outline::{BORDER, power_line};
 use crate::region::profile::Profile;
 use crate::region::{Border, Outline};
 use crate::space::{Bounds, Origin, Seed, Stream, stable_hash};
 use crate::terrain::Terrain;
 use glam::{DVec2, I64Vec2};
+use placed::Placed;
 use serde::{Deserialize, Serialize};
+use site::LEAST_REACH;
 use std::sync::Arc;
 
 /// Places that a lattice cell tries.
@@ -71,7 +77,7 @@ impl SizeClass {
 /// A settlement: where it is, how large, in which style.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settlement {
-    /// Stable name, a hash of tier and lattice cell; never 0.
+    /// Stable name, a hash of tier and lattice cell, or of the place of a pinned one; never 0.
     pub id: SettlementId,
     /// Centre, a whole-metre plan point: the origin that everything in the settlement is local to.
     pub centre: Origin,
@@ -125,6 +131,7 @@ pub struct Settlements {
     profiles: LayerCache<SettlementId, Profile>,
     borders: LayerCache<(SettlementId, SettlementId), Found>,
     outlines: LayerCache<SettlementId, Outline>,
+    placed: Placed,
 }
 
 /// The terrain, which need not be `Debug`.
@@ -149,7 +156,29 @@ impl Settlements {
             profiles: LayerCache::new(cache_bytes / 8),
             borders: LayerCache::new(cache_bytes / 8),
             outlines: LayerCache::new(cache_bytes / 4),
+            placed: Placed::default(),
         }
+    }
+
+    /// The same with those that the user pinned, moved and banned; `edits` are taken as checked. `has_style` knows the names
+    /// of styles.
+    pub fn with_edits(
+        seed: Seed,
+        settings: &SettlementSettings,
+        terrain: Arc<dyn Terrain>,
+        edits: &[SettlementEdit],
+        has_style: impl Fn(&str) -> bool,
+        cache_bytes: usize,
+    ) -> Self {
+        let mut out = Self::new(seed, settings, terrain, cache_bytes);
+        out.place(edits, has_style);
+        out
+    }
+
+    /// The edits that cannot be: in water or on steep ground, too near an earlier one, of an unknown style, or moving what
+    /// is not there.
+    pub fn rejected_edits(&self) -> &[RejectedEdit] {
+        &self.placed.rejected
     }
 
     /// Settlements whose centre lies in `bounds` (plan metres), sorted by id.
@@ -160,7 +189,8 @@ impl Settlements {
     /// The same of one size class.
     pub fn centred_in_of(&self, bounds: Bounds, size: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
         let mut found = vec![];
-        self.accepted_in(bounds, size, |s| found.push(s))?;
+        self.standing_in(bounds, size, |s| found.push(s))?;
+        found.extend(self.placed.centred_in(bounds).filter(|s| s.size == size).cloned());
         found.sort_by_key(|s| s.id);
         Ok(found)
     }
@@ -243,7 +273,7 @@ impl Settlements {
 
     /// Largest radius of any settlement, in metres.
     pub fn largest_radius(&self) -> f64 {
-        self.settings.largest_radius()
+        self.settings.largest_radius().max(self.placed.largest)
     }
 
     /// Settlements of all tiers in `bounds`, grown by `radii` times the greatest radius of the tier, that are `wanted`.
@@ -256,17 +286,33 @@ impl Settlements {
         let mut found = vec![];
         for size in SizeClass::ALL {
             let near = bounds.grown(radii * self.settings.radius.of(size).1);
-            self.accepted_in(near, size, |s| {
+            self.standing_in(near, size, |s| {
                 if wanted(&s) {
                     found.push(s);
                 }
             })?;
         }
+        let near = bounds.grown(radii * self.placed.largest);
+        found.extend(self.placed.centred_in(near).filter(|s| wanted(s)).cloned());
         found.sort_by_key(|s| s.id);
         Ok(found)
     }
 
-    /// The accepted settlements of one tier with their centre in `bounds`.
+    /// The settlements of one tier's lattice with their centre in `bounds` that edits leave there.
+    fn standing_in(
+        &self,
+        bounds: Bounds,
+        size: SizeClass,
+        mut take: impl FnMut(Arc<Settlement>),
+    ) -> Result<(), LayerError> {
+        self.accepted_in(bounds, size, |s| {
+            if self.stands(&s) {
+                take(s);
+            }
+        })
+    }
+
+    /// The accepted settlements of one tier's lattice with their centre in `bounds`.
     fn accepted_in(
         &self,
         bounds: Bounds,
@@ -355,9 +401,7 @@ impl Settlements {
         else {
             return Ok(None);
         };
-        let styles = s.styles.of(size);
-        let weights: Vec<f64> = styles.iter().map(|style| style.1).collect();
-        let style = stream.weighted(&weights).map(|i| styles[i].0.clone()).unwrap_or_default();
+        let style = s.draw_style(&mut stream, size);
         let id = SettlementId(stable_hash(&[size as u64, cell.x as u64, cell.y as u64]).max(1));
         let name = name::place_name(&mut stream, size);
         Ok(Some(Arc::new(Settlement { id, centre, radius, size, style, name })))
@@ -375,7 +419,11 @@ impl Settlements {
 
     /// A distance at which no two settlements of these tiers conflict.
     fn too_near(&self, a: SizeClass, b: SizeClass) -> f64 {
-        let (a, b) = (self.settings.radius.of(a).1, self.settings.radius.of(b).1);
+        self.apart(self.settings.radius.of(a).1, self.settings.radius.of(b).1)
+    }
+
+    /// A distance at which no settlements of these radii conflict.
+    fn apart(&self, a: f64, b: f64) -> f64 {
         // `power_line(d, own, other) >= k` holds from d = 2 k + other on.
         let room = |own: f64, other: f64| 2.0 * (keep(own) + BORDER) + other;
         (self.settings.clearance * (a + b) + self.settings.gap).max(room(a, b)).max(room(b, a))

@@ -3,6 +3,7 @@
 use crate::chunk::StyleKit;
 use crate::layer::{FileError, RangeError};
 use crate::patch::{PatchDatabase, PatchSet};
+use crate::region::RejectedEdit;
 use crate::town::Style;
 use crate::world::Settings;
 use std::collections::BTreeMap;
@@ -33,6 +34,9 @@ pub enum WorldError {
         /// Names of the patch sets there are.
         known: String,
     },
+    /// An edit is outside its range.
+    #[error(transparent)]
+    Edit(#[from] RejectedEdit),
     /// A style's tags leave it without any patch.
     #[error("style `{style}` has no patch left: its allowed and excluded tags rule out all {of} patches of its sets")]
     NoPatches {

@@ -4,6 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec2;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 /// Endless worlds of towns: maps, figures and checks.
 #[derive(Parser)]
@@ -27,12 +28,18 @@ pub struct Common {
     /// Folder with `styles/*.ron` and `patches/*.ron` in place of the bundled ones
     #[arg(long, global = true, value_name = "DIR")]
     pub assets: Option<PathBuf>,
+    /// Wishes for settlements and roads, a RON file
+    #[arg(long, global = true, value_name = "FILE")]
+    pub edits: Option<PathBuf>,
     /// Threads to work on [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Write one JSON object to stdout
     #[arg(long, global = true)]
     pub json: bool,
+    /// The edits that the world cannot fulfil, once it is made with edits.
+    #[arg(skip)]
+    pub rejected: OnceLock<Vec<String>>,
 }
 
 #[derive(Subcommand)]

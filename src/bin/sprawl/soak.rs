@@ -23,7 +23,7 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().collect();
     let cities = work::each(common, "checking cities", &seeds, |seed| {
-        let world = World::new(Seed(*seed), settings.clone(), assets.clone());
+        let world = World::with_edits(Seed(*seed), settings.clone(), assets.clone(), world.edits().clone());
         // The settings and assets are those of a world that was made already.
         world.map_or(Ok(City::default()), |world| check(&world))
     })?;

@@ -4,7 +4,7 @@ use crate::args::{At, Common};
 use crate::fail::Fail;
 use bevy_sprawl::layer::{Cancel, FileError, LayerError};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::world::{Area, Settings, World, WorldAssets};
+use bevy_sprawl::world::{Area, Edits, Settings, World, WorldAssets};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -17,7 +17,7 @@ pub fn read(path: &Path) -> Result<String, FileError> {
     std::fs::read_to_string(path).map_err(|e| FileError::unreadable(path.to_string_lossy(), e))
 }
 
-/// The world that the common flags describe.
+/// The world that the common flags describe. Edits that it cannot fulfil are named on stderr, a line each.
 pub fn world(common: &Common) -> Result<World, Fail> {
     let settings = match &common.settings {
         Some(path) => Settings::from_ron(&path.to_string_lossy(), &read(path)?)?,
@@ -34,10 +34,26 @@ pub fn world(common: &Common) -> Result<World, Fail> {
         None => WorldAssets::bundled(),
     };
     let named = common.settings.as_deref();
-    World::new(Seed(common.seed), settings, assets).map_err(|e| match named {
+    let edits = match &common.edits {
+        Some(path) => Some((path.to_string_lossy(), read(path)?)),
+        None => None,
+    };
+    let wishes = match &edits {
+        Some((file, text)) => Edits::from_ron(file, text)?,
+        None => Edits::default(),
+    };
+    let world = World::with_edits(Seed(common.seed), settings, assets, wishes).map_err(|e| match named {
         Some(path) => Fail::file(path, e),
         None => e.into(),
-    })
+    })?;
+    if let Some((file, text)) = &edits {
+        let rejected = world.rejected_edits(&Cancel::new())?;
+        let lines: Vec<String> = rejected.iter().map(|e| e.in_file(file, text).to_string()).collect();
+        lines.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
+        // Each command makes one world.
+        let _ = common.rejected.set(lines);
+    }
+    Ok(world)
 }
 
 /// The square of edge `size` around `at`, if the world's chunks reach that far.
@@ -119,10 +135,14 @@ pub fn area(common: &Common, world: &World, bounds: Bounds) -> Result<Area, Fail
     Ok(world.area(bounds, &cancel)?)
 }
 
-/// Prints one JSON object, or the lines for people.
+/// Prints one JSON object, with the rejected edits if there is a file of edits, or the lines for people.
 pub fn print(common: &Common, json: &Value, people: &str) -> Result<(), Fail> {
     let mut out = std::io::stdout().lock();
     if common.json {
+        let mut json = json.clone();
+        if let (Some(rejected), Some(fields)) = (common.rejected.get(), json.as_object_mut()) {
+            fields.insert("rejected_edits".into(), rejected.clone().into());
+        }
         writeln!(out, "{json}")?;
     } else if !people.is_empty() {
         writeln!(out, "{}", people.trim_end())?;

@@ -1,11 +1,13 @@
 //! Courses of the roads that are kept, on the fine lattice: from gate to gate, along roads of higher classes where that
 //! is cheaper.
 
-use super::field::{Strip, roughness};
+use super::field::{Field, Strip, roughness};
 use super::geodesic::{Stop, geodesic};
 use super::lattice::{kernel, node_at};
-use super::pairs::{beeline, hopeless, kept, pair, spine, tier_of};
+use super::led::through;
+use super::pairs::{beeline, hopeless, kept, tier_of};
 use super::site::{SITE_STEPS, Site, Tie, gate_in_plan};
+use super::wide::way;
 use super::{Work, class_of};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{StreetClass, StreetId};
@@ -152,13 +154,14 @@ fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<V
             let sum = distance_to_box(a.centre.plan(), tile) + distance_to_box(b.centre.plan(), tile);
             // At least one end is near every point of the road, and no point is off both ends by more than the detour.
             let apart = sum > 1.03 * t.detour * (length + 2.0 * (step * t.wide_step) as f64) + 2.0 * t.corridor;
-            if tier_of(a, b) != tier || length > t.reach || !(near[i] || near[j]) || apart || hopeless(t, a, b, &all) {
+            let tried = || work.control.wants(a, b) || !hopeless(t, a, b, &all);
+            if tier_of(a, b) != tier || length > t.reach || !(near[i] || near[j]) || apart || !tried() {
                 continue;
             }
-            let wide = pair(work, tier, a, b, cancel)?;
+            let Some(way) = way(work, tier, a, b, cancel)? else { continue };
             let room = tile.grown(t.corridor + 2.0 * step as f64);
-            let passes = segments(&spine(work, t, a, b, &wide)).any(|(p, q)| Bounds::of([p, q]).overlaps(room));
-            if wide.cost.is_finite() && passes && kept(work, a, b, &all, cancel)? {
+            let passes = segments(&way).any(|(p, q)| Bounds::of([p, q]).overlaps(room));
+            if passes && kept(work, a, b, &all, cancel)? {
                 out.extend(course(work, a, b, cancel)?.filter(|c| c.passes(tile, step)));
             }
         }
@@ -180,7 +183,8 @@ pub(super) fn courses_of(
     let mut out = Vec::new();
     for other in &all {
         let candidate = other.id != s.id && tier_of(s, other) == tier && beeline(s, other) <= t.reach;
-        if candidate && !hopeless(t, s, other, &all) && kept(work, s, other, &all, cancel)? {
+        let tried = || work.control.wants(s, other) || !hopeless(t, s, other, &all);
+        if candidate && tried() && kept(work, s, other, &all, cancel)? {
             out.extend(course(work, s, other, cancel)?);
         }
     }
@@ -189,7 +193,12 @@ pub(super) fn courses_of(
 }
 
 /// The course between two settlements whose pair is kept; settlements that touch need none.
-fn course(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Arc<Course>>, LayerError> {
+pub(super) fn course(
+    work: &Work,
+    a: &Settlement,
+    b: &Settlement,
+    cancel: &Cancel,
+) -> Result<Option<Arc<Course>>, LayerError> {
     let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
     let found = work.courses.get(&(a.id, b.id), || {
         let course = if work.places.touch(a, b)? { None } else { find(work, a, b, cancel)? };
@@ -201,13 +210,49 @@ fn course(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Resul
 pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Course>, LayerError> {
     cancel.check()?;
     let tier = tier_of(a, b);
+    let step = work.settings.step;
+    let Some(spine) = way(work, tier, a, b, cancel)? else { return Ok(None) };
+
+    let (site_a, site_b) = (work.site(a)?, work.site(b)?);
+    let stops = |site: &Site, s: &Settlement| -> Vec<Stop> {
+        let stop = |t: &Tie| {
+            let out = s.centre.to_local(node_at(t.node, step));
+            Stop { node: t.node, cost: t.way, beyond: t.gate - out }
+        };
+        site.ties.iter().map(stop).collect()
+    };
+    let (from, to) = (stops(&site_a, a), stops(&site_b, b));
+    let mut field = land(work, tier, &spine, cancel)?;
+    let via = work.control.via(a, b);
+    let found = if via.is_empty() {
+        geodesic(&mut field, &from, &to, cancel)?
+    } else {
+        match through(&mut field, &from, via, &to, cancel)? {
+            Some(found) => Some(found),
+            None => geodesic(&mut land(work, tier, &spine, cancel)?, &from, &to, cancel)?,
+        }
+    };
+    let Some(found) = found else { return Ok(None) };
+    let (tie_a, tie_b) = (&site_a.ties[found.from], &site_b.ties[found.to]);
+    let end =
+        |s: &Settlement, tie: &Tie| End { settlement: s.id, centre: s.centre, vertex: tie.vertex, gate: tie.gate };
+    let gates = [gate_in_plan(a, tie_a), gate_in_plan(b, tie_b)];
+    Ok(Some(Course {
+        id: StreetId::of(&[0x636f_7572_7365, a.id.0, b.id.0]),
+        class: class_of(tier),
+        ends: [end(a, tie_a), end(b, tie_b)],
+        bounds: Bounds::of(found.nodes.iter().map(|n| node_at(*n, step)).chain(gates)),
+        nodes: found.nodes,
+        spans: found.spans,
+    }))
+}
+
+/// The ground of the corridor around a line: settlements closed, roads of higher classes laid, influences added.
+fn land<'a>(work: &'a Work, tier: SizeClass, spine: &[DVec2], cancel: &Cancel) -> Result<Field<'a>, LayerError> {
     let t = work.settings.tier(tier);
     let step = work.settings.step;
-    let wide = pair(work, tier, a, b, cancel)?;
-    let spine = spine(work, t, a, b, &wide);
-
     let (mut sites, mut roads) = (Vec::new(), Vec::new());
-    for stretch in stretches(&spine) {
+    for stretch in stretches(spine) {
         let room = stretch.grown(t.corridor);
         sites.extend(work.places.overlapping(room.grown(SITE_STEPS * step as f64))?);
         for above in [SizeClass::City, SizeClass::Town] {
@@ -220,7 +265,7 @@ pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel)
     sites.dedup_by_key(|s| s.id);
     roads.sort_by_key(|c| c.id);
     roads.dedup_by_key(|c| c.id);
-    let mut field = work.field(t, work.strip(&spine, t.corridor));
+    let mut field = work.field(t, work.strip(spine, t.corridor));
     for s in sites {
         let site = work.site(&s)?;
         for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
@@ -239,29 +284,8 @@ pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel)
     }
     let off: Vec<f64> = field.strip.off.iter().map(|off| OFF_SPINE * f64::from(*off) / 1000.0).collect();
     field.add(|slot, node| t.building + t.beside * beside[slot] + off[slot] + t.rough * roughness(node, step));
-
-    let (site_a, site_b) = (work.site(a)?, work.site(b)?);
-    let stops = |site: &Site, s: &Settlement| -> Vec<Stop> {
-        let stop = |t: &Tie| {
-            let out = s.centre.to_local(node_at(t.node, step));
-            Stop { node: t.node, cost: t.way, beyond: t.gate - out }
-        };
-        site.ties.iter().map(stop).collect()
-    };
-    let found = geodesic(&mut field, &stops(&site_a, a), &stops(&site_b, b), cancel)?;
-    let Some(found) = found else { return Ok(None) };
-    let (tie_a, tie_b) = (&site_a.ties[found.from], &site_b.ties[found.to]);
-    let end =
-        |s: &Settlement, tie: &Tie| End { settlement: s.id, centre: s.centre, vertex: tie.vertex, gate: tie.gate };
-    let gates = [gate_in_plan(a, tie_a), gate_in_plan(b, tie_b)];
-    Ok(Some(Course {
-        id: StreetId::of(&[0x636f_7572_7365, a.id.0, b.id.0]),
-        class: class_of(tier),
-        ends: [end(a, tie_a), end(b, tie_b)],
-        bounds: Bounds::of(found.nodes.iter().map(|n| node_at(*n, step)).chain(gates)),
-        nodes: found.nodes,
-        spans: found.spans,
-    }))
+    work.control.influence(tier, &mut field);
+    Ok(field)
 }
 
 /// Boxes around the stretches of a line.

@@ -2,9 +2,10 @@
 //! tunnels could run.
 //!
 //! Cost per metre is 1 on flat open ground, more by slope along the heading, vegetation and control terms (Galin 2011,
-//! section 4.1). Water is crossed on bridges only, straight along one heading, or on an edge whose ends are both dry.
+//! section 4.1), but never less than a share. Water is crossed on bridges only, straight along one heading, or on an edge whose ends are both dry.
 
 use super::TierSettings;
+use super::control::LEAST_SHARE;
 use super::lattice::{DIRECTIONS, Ground, STENCIL, Samples, cost_per_metre, heading, node_at};
 use super::search::Window;
 use crate::layer::LayerError;
@@ -187,6 +188,20 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Closes every edge at some nodes, also after edges were asked for.
+    pub fn bar(&mut self, nodes: &[I64Vec2]) {
+        for node in nodes {
+            self.close(*node, u16::MAX);
+            for (heading, s) in STENCIL.iter().enumerate() {
+                self.close(*node + *s, 1 << ((heading + 8) % DIRECTIONS));
+            }
+        }
+        self.rough.fill(f32::NAN);
+        self.exact.fill(f32::NAN);
+        self.tried.fill(0);
+        self.hops.clear();
+    }
+
     /// Lays the edge between two nodes of an existing road, which costs no more than its length.
     pub fn lay(&mut self, a: I64Vec2, b: I64Vec2, level: i8) {
         let Some(h) = heading(a, b) else { return };
@@ -213,6 +228,12 @@ impl<'a> Field<'a> {
             Some(slot) => Ok(self.ground(slot)?.depth <= 0.0),
             None => Ok(false),
         }
+    }
+
+    /// Whether a node is dry and none of its edges closed.
+    pub fn is_free(&mut self, node: I64Vec2) -> Result<bool, LayerError> {
+        let open = self.strip.slot(node).is_some_and(|s| self.closed[s] == 0);
+        Ok(open && self.is_dry(node)?)
     }
 
     fn ground(&mut self, slot: usize) -> Result<Ground, LayerError> {
@@ -249,7 +270,10 @@ impl<'a> Field<'a> {
                 let (ga, gb) = (self.ground(a)?, self.ground(b)?);
                 let dry = ga.depth <= 0.0 && gb.depth <= 0.0;
                 match cost_per_metre(ga, gb, length, self.t).filter(|_| dry) {
-                    Some(cost) => (length * (cost + f64::from(self.extra[a] + self.extra[b]) / 2.0)) as f32,
+                    Some(cost) => {
+                        let cost = cost + f64::from(self.extra[a] + self.extra[b]) / 2.0;
+                        (length * cost.max(LEAST_SHARE)) as f32
+                    }
                     None => f32::INFINITY,
                 }
             };
@@ -388,7 +412,7 @@ impl<'a> Field<'a> {
         }
         let steep = grade / self.t.slope_limit;
         let ends = f64::from(self.extra[a] + self.extra[b]) / 2.0;
-        let plain = length * (1.0 + ends + self.t.slope * steep * steep);
+        let plain = length * (1.0 + ends + self.t.slope * steep * steep).max(LEAST_SHARE);
         if bridge && (depth > 0.0 || below >= CLEARANCE) {
             return Ok(Some((false, plain + self.bridge(length, depth))));
         }

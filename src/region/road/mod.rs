@@ -25,7 +25,8 @@
 //! Every point of a course has one of its settlements within `TierSettings::padding`: its way is at most `detour`
 //! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
 //! by that padding, and decided by settlements a `reach` further; a window of the ground that a search reads lies within the
-//! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read.
+//! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read. Edits change none of this: ways that
+//! influences make cheap, and those through given points, keep within the ellipse of their pair.
 //!
 //! # What holds
 //!
@@ -36,11 +37,13 @@
 //! ends in a field. Settlements that touch have no course: their border is the way between them, and no tie or course
 //! comes near it.
 
+mod control;
 mod course;
 mod field;
 mod geodesic;
 mod graph;
 mod lattice;
+mod led;
 mod merge;
 mod network;
 mod pairs;
@@ -53,12 +56,14 @@ mod shape;
 mod site;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub use settings::{RoadSettings, TierSettings};
 
 use crate::layer::{Cancel, LayerCache, LayerError};
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
+use crate::region::edits::{Edits, RejectedEdit};
 use crate::region::{Settlement, SettlementId, Settlements, SizeClass};
 use crate::space::{Bounds, Origin};
 use crate::terrain::Terrain;
@@ -126,6 +131,8 @@ struct Work {
     places: Arc<dyn Places>,
     /// What is different in a finite domain; `None` in the endless world.
     finite: Option<network::Finite>,
+    /// What the user wants of roads.
+    control: control::Control,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
     distances: LayerCache<(u8, SettlementId, SettlementId), pairs::Distance>,
@@ -162,6 +169,7 @@ impl Work {
             terrain,
             places,
             finite: None,
+            control: control::Control::default(),
             samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
             distances: LayerCache::new(share(1)),
@@ -268,6 +276,28 @@ impl Roads {
         cache_bytes: usize,
     ) -> Self {
         Self { work: Work::new(settings, terrain, settlements, cache_bytes) }
+    }
+
+    /// The same with influences on their cost, and roads kept, led and banned. Of `edits`, which are taken as checked, those of
+    /// settlements are not looked at: `settlements` were made with them.
+    pub fn with_edits(
+        settings: &RoadSettings,
+        terrain: Arc<dyn Terrain>,
+        settlements: Arc<Settlements>,
+        edits: &Edits,
+        cache_bytes: usize,
+    ) -> Self {
+        let control = control::Control::new(edits, settings, &*terrain, &*settlements);
+        Self { work: Work { control, ..Work::new(settings, terrain, settlements, cache_bytes) } }
+    }
+
+    /// The edits that cannot be: without a settlement at both ends, beyond the reach of the class, through water, or where the
+    /// ground lets no road through. Finding out the last makes the roads that the edits want.
+    pub fn rejected_edits(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
+        let mut out = self.work.control.rejected.clone();
+        out.extend(control::without_way(&self.work, cancel)?);
+        out.sort_by_key(|e| (e.list, e.index));
+        Ok(out)
     }
 
     /// Pieces of road whose centre line comes into `bounds` (plan metres; the box of one of its segments overlaps it),

@@ -2,10 +2,12 @@
 //!
 //! Coarse to fine: a way on the wide lattice first, then the geodesic on the fine one in a corridor around it.
 
+use super::control::Wish;
 use super::field::{Field, Strip};
 use super::geodesic::{Stop, geodesic};
-use super::lattice::{Samples, cost_over_water, kernel, node_at, stencil_distance};
+use super::lattice::{kernel, node_at, stencil_distance};
 use super::search::{Task, Window, search};
+use super::wide::{Wide, way};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::region::{Settlement, SizeClass};
@@ -58,7 +60,7 @@ pub(super) fn beeline(a: &Settlement, b: &Settlement) -> f64 {
 }
 
 /// Box around the points whose distances to `a` and `b` sum to at most `sum`.
-fn ellipse_bounds(a: DVec2, b: DVec2, sum: f64) -> Bounds {
+pub(super) fn ellipse_bounds(a: DVec2, b: DVec2, sum: f64) -> Bounds {
     let (middle, half) = ((a + b) / 2.0, (b - a) / 2.0);
     let long = (sum / 2.0).max(half.length());
     let short2 = long * long - half.length_squared();
@@ -89,19 +91,13 @@ pub(super) fn pair(
         }
         let across = (to - from).as_dvec2().length();
         let limit = t.detour * line;
-        let bounds = ellipse_bounds(node_at(from, step), node_at(to, step), limit);
-        let window = work.window(bounds, step);
-        let repel = repulsion(work, t, tier, [a, b], &window, step)?;
-        let mut samples = Samples::new(&work.samples, &*work.terrain, step, &window);
-        let task = Task { window, step, from, to, limit, bridge_limit: t.bridge_limit + step as f64 };
+        let mut wide = Wide::new(work, tier, [a, b], [from, to], step)?;
+        let bridge_limit = t.bridge_limit + step as f64;
+        let task = Task { window: wide.window, step, from, to, limit, bridge_limit, least: wide.least };
         let found = search(&task, cancel, |node, index, heading, metres| {
             let next = node + super::lattice::STENCIL[heading];
-            let Some((cost, wet)) = cost_over_water(samples.at(node)?, samples.at(next)?, metres, t) else {
-                return Ok(None);
-            };
-            let control = f64::from(repel[index] + repel[window.index(next)]) / 2.0;
             let off = ((next - from).perp_dot(to - from) as f64 * step as f64 / across / 1000.0).abs();
-            Ok(Some((metres * (cost + control + OFF_BEELINE * off), wet)))
+            wide.edge((node, index), next, metres, OFF_BEELINE * off)
         })?;
         // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
         Ok(found.map_or(Pair { cost: f64::INFINITY, nodes: Vec::new() }, |f| Pair {
@@ -120,13 +116,18 @@ pub(super) fn spine(work: &Work, t: &TierSettings, a: &Settlement, b: &Settlemen
     let inner = wide.nodes.len().saturating_sub(1).max(1);
     out.extend(wide.nodes[1.min(wide.nodes.len())..inner.min(wide.nodes.len())].iter().map(|n| node_at(*n, step)));
     out.push(b.centre.plan());
+    smooth(&mut out);
+    out
+}
+
+/// Evens the bends of a line out; its ends stay.
+pub(super) fn smooth(line: &mut [DVec2]) {
     for _ in 0..6 {
-        let before = out.clone();
-        for (p, w) in out[1..].iter_mut().zip(before.windows(3)) {
+        let before = line.to_vec();
+        for (p, w) in line[1..].iter_mut().zip(before.windows(3)) {
             *p = (w[0] + w[1] * 2.0 + w[2]) / 4.0;
         }
     }
-    out
 }
 
 /// Distance d(a, b) of two settlements over the ground in metres of flat open ground, infinite where there is no way: the
@@ -209,6 +210,7 @@ pub(super) fn open_ground<'a>(
     for s in work.places.of_tier(near, tier)?.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
         field.add(|_, node| repelled(t, s, node_at(node, step)));
     }
+    work.control.influence(tier, &mut field);
     Ok(field)
 }
 
@@ -224,7 +226,7 @@ fn repels(s: &Settlement) -> f64 {
 
 /// Control term h of the settlements of the road's class or above that it does not serve: kernels around them (Galin
 /// 2011, section 4.1). Smaller ones are passed on the fine lattice, where all outlines are closed.
-fn repulsion(
+pub(super) fn repulsion(
     work: &Work,
     t: &TierSettings,
     tier: SizeClass,
@@ -281,15 +283,28 @@ pub(super) fn kept(
     let tier = tier_of(a, b);
     let t = work.settings.tier(tier);
     let wide = |a: &Settlement, b: &Settlement| Ok::<f64, LayerError>(pair(work, tier, a, b, cancel)?.cost);
+    match work.control.wish(a, b) {
+        Some(Wish::Ban) => return Ok(false),
+        Some(Wish::Keep | Wish::Via(_)) => return Ok(way(work, tier, a, b, cancel)?.is_some()),
+        None => {}
+    }
     let ab = wide(a, b)?;
     if !ab.is_finite() {
         return Ok(false);
     }
-    // A cost is at least the beeline, so only these can rule the pair out; the most likely first.
+    // All that lies in the ellipse of a pair with one of these ends.
+    let ends = Bounds::of([a.centre.plan(), b.centre.plan()]);
+    let around = ends.grown(2.0 * t.padding(work.settings.step));
+    let least = work.control.terms(tier, around).least();
+    // A cost is at least the beeline, or that share of it, so only these can rule the pair out; the most likely first.
     let mut near: Vec<(f64, &Arc<Settlement>)> = Vec::new();
     for c in others {
         let (ac, bc) = (beeline(a, c), beeline(b, c));
-        if c.id != a.id && c.id != b.id && ac.max(bc) <= t.reach && rules_out(ac, bc, ab * (1.0 + DOUBT), t.gamma) {
+        if c.id != a.id
+            && c.id != b.id
+            && ac.max(bc) <= t.reach
+            && rules_out(least * ac, least * bc, ab * (1.0 + DOUBT), t.gamma)
+        {
             near.push((ac + bc, c));
         }
     }

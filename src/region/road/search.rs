@@ -55,6 +55,8 @@ pub(super) struct Task {
     pub limit: f64,
     /// Greatest length of a bridge in metres.
     pub bridge_limit: f64,
+    /// Least cost per metre of any edge.
+    pub least: f64,
 }
 
 /// A path found.
@@ -73,8 +75,8 @@ struct Label {
     closed: bool,
 }
 
-/// The cheapest path. `edge(node, index, heading, length)` is the cost of an edge of that length, at least the length, and
-/// the share of it that is a bridge; `None` where there is no way.
+/// The cheapest path. `edge(node, index, heading, length)` is the cost of an edge of that length, at least the least cost
+/// per metre, and the share of it that is a bridge; `None` where there is no way.
 ///
 /// The length of a bridge depends on how a node was reached; the label with the lowest cost is taken, so where bridges
 /// reach their limit the result is a cheap path, not always the cheapest.
@@ -90,7 +92,7 @@ pub(super) fn search(
     let none = Label { cost: f64::INFINITY, wet: 0.0, heading: DIRECTIONS as u8, closed: false };
     let mut labels = vec![none; w.len()];
     let step = task.step as f64;
-    let rest = |node: I64Vec2| (task.to - node).as_dvec2().length() * step;
+    let rest = |node: I64Vec2| (task.to - node).as_dvec2().length() * step * task.least;
     // Costs are not negative, so their bits sort like they do.
     let mut open = BinaryHeap::new();
     labels[w.index(task.from)].cost = 0.0;
@@ -119,7 +121,7 @@ pub(super) fn search(
             }
             let next_index = w.index(next);
             let length = lengths[heading];
-            if labels[next_index].closed || here.cost + length >= labels[next_index].cost {
+            if labels[next_index].closed || here.cost + length * task.least >= labels[next_index].cost {
                 continue;
             }
             let Some((edge_cost, bridge)) = edge(node, index, heading, length)? else { continue };
@@ -154,7 +156,7 @@ mod tests {
 
     fn task(from: I64Vec2, to: I64Vec2) -> Task {
         let window = Window { min: I64Vec2::splat(-5), size: I64Vec2::splat(40) };
-        Task { window, step: 100, from, to, limit: 1e5, bridge_limit: 150.0 }
+        Task { window, step: 100, from, to, limit: 1e5, bridge_limit: 150.0, least: 1.0 }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::layer::RangeError;
 use crate::region::SizeClass;
+use crate::space::Stream;
 use serde::{Deserialize, Serialize};
 
 /// A value for each size class.
@@ -34,7 +35,7 @@ impl<T> PerSize<T> {
 }
 
 /// Radii that settlements may have, in metres.
-pub(super) const RADII: (f64, f64) = (120.0, 5_000.0);
+pub(in crate::region) const RADII: (f64, f64) = (120.0, 5_000.0);
 
 /// Settings of settlements. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,6 +124,13 @@ impl SettlementSettings {
     /// Names of the styles that settlements may get.
     pub fn style_names(&self) -> impl Iterator<Item = &str> {
         SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str())
+    }
+
+    /// A style for a settlement of a size, as the weights have it.
+    pub(super) fn draw_style(&self, stream: &mut Stream, size: SizeClass) -> String {
+        let styles = self.styles.of(size);
+        let weights: Vec<f64> = styles.iter().map(|style| style.1).collect();
+        stream.weighted(&weights).map(|i| styles[i].0.clone()).unwrap_or_default()
     }
 
     /// Greatest radius of any settlement, in metres.

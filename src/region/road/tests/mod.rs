@@ -1,6 +1,7 @@
 //! What holds of roads as a whole.
 
 mod costs;
+mod edits;
 mod ground;
 mod merging;
 
