@@ -46,6 +46,7 @@ pub use schedule::SprawlSystems;
 pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
 pub use streaming::StreamSettings;
 
+use crate::region::Edits;
 use crate::space::Seed;
 use crate::world::{Settings, WorldAssets};
 use bevy::prelude::*;
@@ -76,6 +77,8 @@ pub struct SprawlPlugin {
     pub streaming: StreamSettings,
     /// Styles and patch sets.
     pub assets: AssetOrigin,
+    /// Wishes for settlements and roads.
+    pub edits: Edits,
     /// Plan point (x east, y north, metres) that Bevy's origin starts near; it is rounded to a chunk's corner.
     pub start: DVec2,
 }
@@ -96,6 +99,11 @@ impl SprawlPlugin {
         Self { assets: AssetOrigin::Folder(folder.into()), ..self }
     }
 
+    /// The same with wishes for settlements and roads.
+    pub fn edits(self, edits: Edits) -> Self {
+        Self { edits, ..self }
+    }
+
     /// The same with Bevy's origin near a plan point.
     pub fn starting_at(self, start: DVec2) -> Self {
         Self { start, ..self }
@@ -109,7 +117,8 @@ impl Plugin for SprawlPlugin {
             AssetOrigin::Given(assets) => (assets.clone(), None),
             AssetOrigin::Folder(folder) => (WorldAssets::bundled(), Some(folder.clone())),
         };
-        app.insert_resource(SprawlSource { seed: self.seed, settings: self.settings.clone(), assets })
+        let (settings, edits) = (self.settings.clone(), self.edits.clone());
+        app.insert_resource(SprawlSource { seed: self.seed, settings, assets, edits })
             .insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size))
             .insert_resource(self.streaming.clone())
             .add_plugins((

@@ -2,13 +2,13 @@
 
 use super::schedule::SprawlSystems;
 use super::streaming::{Dirty, Streaming};
-use crate::layer::LayerError;
-use crate::region::Settlement;
+use crate::layer::{Cancel, LayerError};
+use crate::region::{Edits, Settlement};
 use crate::space::{Bounds, ChunkCoord, Seed};
 use crate::world::{Settings, World, WorldAssets, WorldError};
 use bevy::prelude::{
     App, Commands, DetectChanges, Event, IntoScheduleConfigs, Message, MessageWriter, Plugin, PostUpdate, Res, ResMut,
-    Resource, error,
+    Resource, error, warn,
 };
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,6 +24,8 @@ pub struct SprawlSource {
     pub settings: Settings,
     /// Styles and patch sets.
     pub assets: WorldAssets,
+    /// Wishes for settlements and roads. Those that the world cannot fulfil are logged; it goes on without them.
+    pub edits: Edits,
 }
 
 /// The world that is streamed.
@@ -77,8 +79,9 @@ impl Plugin for SourcePlugin {
         }
         // The first world is made at once, so that systems in `Startup` can ask it where to put the player.
         let source = app.world().resource::<SprawlSource>().clone();
-        match World::new(source.seed, source.settings, source.assets) {
+        match World::with_edits(source.seed, source.settings, source.assets, source.edits) {
             Ok(made) => {
+                tell_rejected(made.clone());
                 app.world_mut().resource_mut::<Streaming>().replace(&made, Dirty::All);
                 app.insert_resource(SprawlWorld { world: Some(made), revision: 1 });
                 app.world_mut().write_message(WorldChanged { revision: 1 });
@@ -120,7 +123,7 @@ pub(super) fn start_making(
     let loaded = streaming.settlements();
     making.task = Some(AsyncComputeTaskPool::get().spawn(async move {
         let change = old.map_or(Difference::All, |old| difference(&old, &source));
-        let made = World::new(source.seed, source.settings, source.assets)?;
+        let made = World::with_edits(source.seed, source.settings, source.assets, source.edits)?;
         let dirty = match change {
             Difference::All => Dirty::All,
             Difference::Styles(styles) => touched(&made, &styles, loaded),
@@ -142,6 +145,7 @@ fn finish_making(
     making.task = None;
     match result {
         Ok((made, dirty)) => {
+            tell_rejected(made.clone());
             streaming.replace(&made, dirty);
             current.world = Some(made);
             current.revision += 1;
@@ -158,6 +162,21 @@ fn finish_making(
     }
 }
 
+/// Logs the edits that a world cannot fulfil, in the background: it takes the roads that they are about.
+fn tell_rejected(world: World) {
+    if *world.edits() == Edits::default() {
+        return;
+    }
+    let tell = async move {
+        for edit in world.rejected_edits(&Cancel::new()).unwrap_or_default() {
+            warn!("{edit}");
+        }
+    };
+    if let Some(pool) = AsyncComputeTaskPool::try_get() {
+        pool.spawn(tell).detach();
+    }
+}
+
 /// What differs between a world and what the next one is to be made from.
 #[derive(Debug, PartialEq)]
 enum Difference {
@@ -168,7 +187,7 @@ enum Difference {
 }
 
 fn difference(old: &World, new: &SprawlSource) -> Difference {
-    if old.seed() != new.seed || *old.settings() != new.settings {
+    if old.seed() != new.seed || *old.settings() != new.settings || *old.edits() != new.edits {
         return Difference::All;
     }
     let (before, after) = (old.assets(), &new.assets);

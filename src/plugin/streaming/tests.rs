@@ -87,7 +87,12 @@ fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default()))
         .init_asset::<Mesh>()
-        .insert_resource(SprawlSource { seed: Seed(0), settings: Settings::default(), assets: WorldAssets::default() })
+        .insert_resource(SprawlSource {
+            seed: Seed(0),
+            settings: Settings::default(),
+            assets: WorldAssets::default(),
+            edits: Default::default(),
+        })
         .insert_resource(SprawlOrigin::default())
         .init_resource::<StreamSettings>()
         .add_plugins((
