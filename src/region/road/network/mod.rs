@@ -93,7 +93,7 @@ impl Default for NetworkTask<'_> {
 /// let settlements: Vec<_> = towns.settlements().cloned().collect();
 /// let settings = RoadSettings::finite(250);
 /// let network = RoadNetwork::build(terrain.bounds(), Arc::new(terrain), &settlements, &settings)?;
-/// assert_eq!(network.links.len(), 2);
+/// assert_eq!(network.links.len(), 3);
 /// assert!(network.unreached.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
