@@ -48,7 +48,7 @@ impl Profile {
                 of.radius * (settings.fullness + swing * noise).min(0.995)
             })
             .collect();
-        let (centre, mut ground) = (of.centre.plan(), terrain.scan());
+        let (centre, mut ground) = (of.centre.plan(), terrain.scan_ground());
         // Near the centre rays are close together: there every fourth, then every second, is followed for all.
         let mut reach = limits.clone();
         for (first, every, from) in [(0, 4, 0.0), (2, 4, 0.25), (1, 2, 0.5)] {
@@ -56,6 +56,11 @@ impl Profile {
                 let (way, limit) = (ways[i], limits[i]);
                 let beside = [i + every / 2, i + rays - every / 2].map(|k| reach[k % rays]);
                 let (least, mut from) = (beside[0].min(beside[1]), from * limit);
+                let open = |k: usize| reach[k % rays] >= limits[k % rays];
+                if every == 2 && open(i + 1) && open(i + rays - 1) {
+                    // Nothing hinders its neighbours, 120 m apart at most.
+                    continue;
+                }
                 if least < from {
                     reach[i] = least;
                     continue;

@@ -183,7 +183,7 @@ impl Settlements {
 
     /// Settlements whose centre lies in `bounds` (plan metres), sorted by id.
     pub fn centred_in(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        self.collect(bounds, 0.0, |s| bounds.contains(s.centre.plan()))
+        self.collect(bounds, 0.0, SizeClass::Village, |s| bounds.contains(s.centre.plan()))
     }
 
     /// The same of one size class.
@@ -258,7 +258,12 @@ impl Settlements {
 
     /// Settlements whose outline may overlap `bounds` (their circles do), sorted by id.
     pub fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        self.collect(bounds, 1.0, |s| s.touches(bounds))
+        self.overlapping_of(bounds, SizeClass::Village)
+    }
+
+    /// The same of at least the size `least`.
+    pub fn overlapping_of(&self, bounds: Bounds, least: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        self.collect(bounds, 1.0, least, |s| s.touches(bounds))
     }
 
     /// The settlement whose outline holds the plan point `p`.
@@ -276,15 +281,17 @@ impl Settlements {
         self.settings.largest_radius().max(self.placed.largest)
     }
 
-    /// Settlements of all tiers in `bounds`, grown by `radii` times the greatest radius of the tier, that are `wanted`.
+    /// Settlements of at least the size `least` in `bounds`, grown by `radii` times the greatest radius of the tier, that are
+    /// `wanted`.
     fn collect(
         &self,
         bounds: Bounds,
         radii: f64,
+        least: SizeClass,
         wanted: impl Fn(&Settlement) -> bool,
     ) -> Result<Vec<Arc<Settlement>>, LayerError> {
         let mut found = vec![];
-        for size in SizeClass::ALL {
+        for size in SizeClass::ALL.into_iter().filter(|size| *size >= least) {
             let near = bounds.grown(radii * self.settings.radius.of(size).1);
             self.standing_in(near, size, |s| {
                 if wanted(&s) {
@@ -293,7 +300,7 @@ impl Settlements {
             })?;
         }
         let near = bounds.grown(radii * self.placed.largest);
-        found.extend(self.placed.centred_in(near).filter(|s| wanted(s)).cloned());
+        found.extend(self.placed.centred_in(near).filter(|s| s.size >= least && wanted(s)).cloned());
         found.sort_by_key(|s| s.id);
         Ok(found)
     }
@@ -389,15 +396,15 @@ impl Settlements {
             let near = Reach::new("settlement", bounds, padding).check(bounds.grown(padding))?;
             self.accepted_in(near, tier, |other| higher.push(other))?;
         }
-        let terrain = &*self.terrain.0;
+        let mut ground = self.terrain.0.scan_ground();
         let mut places: Vec<(f64, Origin)> = places
             .into_iter()
             .filter(|p| !higher.iter().any(|o| self.conflict(o, *p, radius)))
-            .filter_map(|p| Some((site::promise(terrain, p.plan(), radius, s.max_slope, s.max_height)?, p)))
+            .filter_map(|p| Some((site::promise(&mut ground, p.plan(), radius, s.max_slope, s.max_height)?, p)))
             .collect();
         // Stable: of equals the first drawn stays first.
         places.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let Some(&(_, centre)) = places.iter().find(|(_, p)| site::suits(terrain, p.plan(), radius, s.max_slope))
+        let Some(&(_, centre)) = places.iter().find(|(_, p)| site::suits(&mut ground, p.plan(), radius, s.max_slope))
         else {
             return Ok(None);
         };

@@ -86,6 +86,11 @@ pub trait Terrain: Send + Sync + 'static {
         Box::new(|p| self.sample(p))
     }
 
+    /// The same for those who ask for heights and water only: `vegetation` may be 0 everywhere.
+    fn scan_ground(&self) -> Scan<'_> {
+        self.scan()
+    }
+
     /// Height of the ground in metres.
     fn height(&self, p: DVec2) -> f64 {
         self.sample(p).height

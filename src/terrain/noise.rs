@@ -206,23 +206,28 @@ impl NoiseTerrain {
         Self { ground: Ground::new(seed, settings), lakes: Lakes::new(seed, settings) }
     }
 
-    fn sample_with(&self, p: DVec2, corners: &mut impl Corners) -> TerrainSample {
+    fn sample_with(&self, p: DVec2, wooded: bool, corners: &mut impl Corners) -> TerrainSample {
         let shape = self.ground.at(p, corners);
         let (height, water_level) = self.lakes.lay(p, &shape, corners, |q| self.ground.at(q, &mut Fresh));
-        let wet = height < water_level;
-        let vegetation = if wet { 0.0 } else { self.ground.vegetation(p, &shape, height, corners) };
+        let bare = !wooded || height < water_level;
+        let vegetation = if bare { 0.0 } else { self.ground.vegetation(p, &shape, height, corners) };
         TerrainSample { height, water_level, vegetation }
     }
 }
 
 impl Terrain for NoiseTerrain {
     fn sample(&self, p: DVec2) -> TerrainSample {
-        self.sample_with(p, &mut Fresh)
+        self.sample_with(p, true, &mut Fresh)
     }
 
     fn scan(&self) -> Scan<'_> {
         let mut corners = Remembered::new();
-        Box::new(move |p| self.sample_with(p, &mut corners))
+        Box::new(move |p| self.sample_with(p, true, &mut corners))
+    }
+
+    fn scan_ground(&self) -> Scan<'_> {
+        let mut corners = Remembered::new();
+        Box::new(move |p| self.sample_with(p, false, &mut corners))
     }
 }
 

@@ -157,6 +157,7 @@ impl Control {
         let step = field.step();
         let terms = self.terms(tier, Bounds::of(field.strip.nodes.iter().map(|n| node_at(*n, step))));
         if !terms.is_empty() {
+            field.lessen(terms.least());
             field.add(|_, node| terms.at(node_at(node, step)));
         }
     }

@@ -5,8 +5,8 @@ use super::field::{Field, Strip, roughness};
 use super::geodesic::{Stop, geodesic};
 use super::lattice::{kernel, node_at};
 use super::led::through;
-use super::pairs::{beeline, hopeless, kept, tier_of};
-use super::site::{SITE_STEPS, Site, Tie, gate_in_plan};
+use super::pairs::{beeline, is_tried, kept, tier_of};
+use super::site::{SITE_STEPS, Site, TIE_REACH, Tie, gate_in_plan};
 use super::wide::way;
 use super::{Work, class_of};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
@@ -23,6 +23,15 @@ const STRETCH: f64 = 3_000.0;
 /// Extra cost per metre, a kilometre off the way found on the wide lattice: of ways that cost the same it takes the one
 /// that heads for its aim all along.
 const OFF_SPINE: f64 = 0.12;
+
+/// What a road keeps off of the settlements that it does not serve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Beside {
+    /// Discs around all that they might fill, and their ties.
+    Discs,
+    /// Outlines and ties as they are, which takes much more work.
+    Outlines,
+}
 
 /// One end of a course.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +114,7 @@ impl Course {
 }
 
 /// Edge of the tiles by which courses are listed, in metres.
-const LISTED_BY: f64 = 4_096.0;
+const LISTED_BY: f64 = 2_048.0;
 
 /// Courses of one class that pass through `bounds` (plan metres), sorted by id.
 pub(super) fn courses(
@@ -143,25 +152,27 @@ fn distance_to_box(p: DVec2, b: Bounds) -> f64 {
 fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Course>>, LayerError> {
     let t = work.settings.tier(tier);
     let step = work.settings.step;
-    let padding = t.padding(step);
-    let reach = Reach::new("roads", tile, padding + t.reach);
-    let all = work.places.of_tier(reach.check(tile.grown(padding + t.reach))?, tier)?;
-    let near: Vec<bool> = all.iter().map(|s| distance_to_box(s.centre.plan(), tile) <= padding).collect();
+    // Both ends of a road lie on an ellipse around each of its points, no more than the reach from each other.
+    let sum = |length: f64| 1.03 * t.detour * (length + 2.0 * (step * t.wide_step) as f64) + 2.0 * t.corridor;
+    let farthest = (sum(t.reach) + t.reach + tile.size().length()) / 2.0;
+    let reach = Reach::new("roads", tile, farthest);
+    let all = work.places.of_tier(reach.check(tile.grown(farthest))?, tier)?;
+    let off: Vec<f64> = all.iter().map(|s| distance_to_box(s.centre.plan(), tile)).collect();
     let mut out = Vec::new();
     for (i, a) in all.iter().enumerate() {
         for (j, b) in all.iter().enumerate().skip(i + 1) {
             let length = beeline(a, b);
-            let sum = distance_to_box(a.centre.plan(), tile) + distance_to_box(b.centre.plan(), tile);
-            // At least one end is near every point of the road, and no point is off both ends by more than the detour.
-            let apart = sum > 1.03 * t.detour * (length + 2.0 * (step * t.wide_step) as f64) + 2.0 * t.corridor;
-            let tried = || work.control.wants(a, b) || !hopeless(t, a, b, &all);
-            if tier_of(a, b) != tier || length > t.reach || !(near[i] || near[j]) || apart || !tried() {
+            if tier_of(a, b) != tier
+                || length > t.reach
+                || off[i] + off[j] > sum(length)
+                || !is_tried(work, a, b, &all)?
+            {
                 continue;
             }
             let Some(way) = way(work, tier, a, b, cancel)? else { continue };
             let room = tile.grown(t.corridor + 2.0 * step as f64);
             let passes = segments(&way).any(|(p, q)| Bounds::of([p, q]).overlaps(room));
-            if passes && kept(work, a, b, &all, cancel)? {
+            if passes && kept(work, a, b, cancel)? {
                 out.extend(course(work, a, b, cancel)?.filter(|c| c.passes(tile, step)));
             }
         }
@@ -178,13 +189,12 @@ pub(super) fn courses_of(
 ) -> Result<Vec<Arc<Course>>, LayerError> {
     let t = work.settings.tier(tier);
     let own = Bounds::of([s.centre.plan()]);
-    let reach = Reach::new("roads", own, 2.0 * t.reach);
-    let all = work.places.of_tier(reach.check(own.grown(2.0 * t.reach))?, tier)?;
+    let reach = Reach::new("roads", own, t.reach);
+    let all = work.places.of_tier(reach.check(own.grown(t.reach))?, tier)?;
     let mut out = Vec::new();
     for other in &all {
         let candidate = other.id != s.id && tier_of(s, other) == tier && beeline(s, other) <= t.reach;
-        let tried = || work.control.wants(s, other) || !hopeless(t, s, other, &all);
-        if candidate && tried() && kept(work, s, other, &all, cancel)? {
+        if candidate && is_tried(work, s, other, &all)? && kept(work, s, other, cancel)? {
             out.extend(course(work, s, other, cancel)?);
         }
     }
@@ -222,16 +232,24 @@ pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel)
         site.ties.iter().map(stop).collect()
     };
     let (from, to) = (stops(&site_a, a), stops(&site_b, b));
-    let mut field = land(work, tier, &spine, cancel)?;
-    let via = work.control.via(a, b);
-    let found = if via.is_empty() {
-        geodesic(&mut field, &from, &to, cancel)?
-    } else {
-        match through(&mut field, &from, via, &to, cancel)? {
-            Some(found) => Some(found),
-            None => geodesic(&mut land(work, tier, &spine, cancel)?, &from, &to, cancel)?,
-        }
+    let land = |beside: Beside| -> Result<Field, LayerError> {
+        let mut field = land(work, tier, [a, b], beside, &spine, cancel)?;
+        field.close_site(&site_a);
+        field.close_site(&site_b);
+        Ok(field)
     };
+    let via = work.control.via(a, b);
+    let mut found = None;
+    if !via.is_empty() {
+        found = through(&mut land(Beside::Outlines)?, &from, via, &to, cancel)?;
+    }
+    // Where discs of settlements fill a valley or an isthmus, roads squeeze past.
+    let beside = if work.finite.is_none() { [Beside::Discs, Beside::Outlines].as_slice() } else { &[Beside::Outlines] };
+    for beside in beside {
+        if found.is_none() {
+            found = geodesic(&mut land(*beside)?, &from, &to, cancel)?;
+        }
+    }
     let Some(found) = found else { return Ok(None) };
     let (tie_a, tie_b) = (&site_a.ties[found.from], &site_b.ties[found.to]);
     let end =
@@ -248,13 +266,21 @@ pub(super) fn find(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel)
 }
 
 /// The ground of the corridor around a line: settlements closed, roads of higher classes laid, influences added.
-fn land<'a>(work: &'a Work, tier: SizeClass, spine: &[DVec2], cancel: &Cancel) -> Result<Field<'a>, LayerError> {
+fn land<'a>(
+    work: &'a Work,
+    tier: SizeClass,
+    ends: [&Settlement; 2],
+    off: Beside,
+    spine: &[DVec2],
+    cancel: &Cancel,
+) -> Result<Field<'a>, LayerError> {
     let t = work.settings.tier(tier);
     let step = work.settings.step;
     let (mut sites, mut roads) = (Vec::new(), Vec::new());
     for stretch in stretches(spine) {
         let room = stretch.grown(t.corridor);
-        sites.extend(work.places.overlapping(room.grown(SITE_STEPS * step as f64))?);
+        let margin = if off == Beside::Discs { TIE_REACH } else { SITE_STEPS };
+        sites.extend(work.places.overlapping(room.grown(margin * step as f64))?);
         for above in [SizeClass::City, SizeClass::Town] {
             if above > tier {
                 roads.extend(courses(work, above, room, cancel)?);
@@ -266,10 +292,10 @@ fn land<'a>(work: &'a Work, tier: SizeClass, spine: &[DVec2], cancel: &Cancel) -
     roads.sort_by_key(|c| c.id);
     roads.dedup_by_key(|c| c.id);
     let mut field = work.field(t, work.strip(spine, t.corridor));
-    for s in sites {
-        let site = work.site(&s)?;
-        for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
-            field.close(site.window.node(i), *bits);
+    for s in sites.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
+        match off {
+            Beside::Discs => field.close_disc(s.centre.plan(), s.radius + TIE_REACH * step as f64),
+            Beside::Outlines => field.close_site(&*work.site(s)?),
         }
     }
     let mut beside = vec![0f64; field.strip.nodes.len()];

@@ -8,9 +8,10 @@ use super::TierSettings;
 use super::control::LEAST_SHARE;
 use super::lattice::{DIRECTIONS, Ground, STENCIL, Samples, cost_per_metre, heading, node_at};
 use super::search::Window;
+use super::site::Site;
 use crate::layer::LayerError;
 use crate::space::{Bounds, distance_to_segment, segments, stable_hash};
-use crate::terrain::Terrain;
+use crate::terrain::{Scan, Terrain};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 
@@ -23,7 +24,7 @@ const SCRAPE: f64 = 2.0;
 /// Share of the steepest slope from which on a bridge or tunnel is tried instead.
 const DEAR: f64 = 0.7;
 /// Most bridges and tunnels that are tried from one node in one direction.
-const MOST_HOPS: usize = 3;
+const MOST_HOPS: usize = 4;
 /// Spacing in metres of the variation of the ground that the terrain does not know.
 const ROUGH_SPACING: i64 = 450;
 
@@ -96,9 +97,18 @@ pub(super) struct Hop {
     pub to: usize,
     /// Edges of the bridge or tunnel.
     pub edges: usize,
-    pub tunnel: bool,
-    /// Cost of the bridge or tunnel alone.
+    /// Cost of the bridge or tunnel alone: a lower bound until the ground along it has been looked at.
     pub cost: f32,
+    seen: Seen,
+}
+
+/// What the ground along a hop lets it be.
+#[derive(Clone, Copy, Debug)]
+enum Seen {
+    NotYet,
+    /// A tunnel or a bridge, and what it costs.
+    Span(bool, f32),
+    Nothing,
 }
 
 /// A bridge or tunnel of an existing road.
@@ -114,23 +124,31 @@ pub(super) struct Field<'a> {
     pub strip: Strip,
     t: &'a TierSettings,
     step: i64,
-    terrain: &'a dyn Terrain,
+    /// The ground anywhere.
+    scan: Scan<'a>,
     samples: Samples<'a>,
     grounds: Vec<Option<Ground>>,
     lengths: [f64; DIRECTIONS],
     /// Extra cost per metre of new road, by slot.
     extra: Vec<f32>,
+    /// Least cost per metre of any edge.
+    least: f64,
     /// A bit per heading, by slot: edges that roads may not take, that existing roads take on the ground, and on bridges
     /// or in tunnels.
     closed: Vec<u16>,
     existing: Vec<u16>,
     spanned: Vec<u16>,
     spans: Vec<Existing>,
+    /// A bit per heading, by slot, of edges that were asked for: the ground does not let them on, or is so steep that they are
+    /// better left.
+    bad: Vec<u16>,
     /// Cost of edges from what their ends are, by slot and heading below 8; not a number if not asked yet.
     rough: Vec<f32>,
     /// The same with what lies between their ends.
     exact: Vec<f32>,
+    /// A bit per heading, by slot: whether hops were looked for, and whether there are any.
     tried: Vec<u16>,
+    hopping: Vec<u16>,
     hops: BTreeMap<(usize, usize), Vec<Hop>>,
 }
 
@@ -147,18 +165,21 @@ impl<'a> Field<'a> {
         Self {
             t,
             step,
-            terrain,
+            scan: terrain.scan_ground(),
             samples: samples(&strip.window),
             lengths: STENCIL.map(|s| s.as_dvec2().length() * step as f64),
             grounds: vec![None; count],
             extra: vec![0.0; count],
+            least: 1.0,
             closed: vec![0; count],
             existing: vec![0; count],
             spanned: vec![0; count],
             spans: Vec::new(),
+            bad: vec![0; count],
             rough: vec![f32::NAN; count * DIRECTIONS / 2],
             exact: vec![f32::NAN; count * DIRECTIONS / 2],
             tried: vec![0; count],
+            hopping: vec![0; count],
             hops: BTreeMap::new(),
             strip,
         }
@@ -181,10 +202,37 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Least cost per metre of any edge.
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// Lets extra costs be negative, down to that cost per metre.
+    pub fn lessen(&mut self, least: f64) {
+        self.least = self.least.min(least);
+    }
+
+    /// Closes every edge at the nodes of a disc (plan metres).
+    pub fn close_disc(&mut self, centre: DVec2, radius: f64) {
+        let part = Window::around(Bounds::square(centre, 2.0 * radius), self.step);
+        for node in (0..part.len()).map(|i| part.node(i)) {
+            if node_at(node, self.step).distance(centre) <= radius {
+                self.close(node, u16::MAX);
+            }
+        }
+    }
+
     /// Closes edges at a node, a bit per heading.
     pub fn close(&mut self, node: I64Vec2, headings: u16) {
         if let Some(slot) = self.strip.slot(node) {
             self.closed[slot] |= headings;
+        }
+    }
+
+    /// Closes edges at the nodes around a settlement that its site closes.
+    pub fn close_site(&mut self, site: &Site) {
+        for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
+            self.close(site.window.node(i), *bits);
         }
     }
 
@@ -199,6 +247,7 @@ impl<'a> Field<'a> {
         self.rough.fill(f32::NAN);
         self.exact.fill(f32::NAN);
         self.tried.fill(0);
+        self.hopping.fill(0);
         self.hops.clear();
     }
 
@@ -268,6 +317,12 @@ impl<'a> Field<'a> {
                 length as f32
             } else {
                 let (ga, gb) = (self.ground(a)?, self.ground(b)?);
+                let steep = f64::from((ga.surface - gb.surface).abs()) > DEAR * self.t.slope_limit * length;
+                for (slot, bit, far) in [(a, bit, gb), (b, back, ga)] {
+                    if steep || far.depth > 0.0 {
+                        self.bad[slot] |= bit;
+                    }
+                }
                 let dry = ga.depth <= 0.0 && gb.depth <= 0.0;
                 match cost_per_metre(ga, gb, length, self.t).filter(|_| dry) {
                     Some(cost) => {
@@ -282,7 +337,7 @@ impl<'a> Field<'a> {
     }
 
     /// The cost of an edge, infinite where there is no way.
-    pub fn exact(&mut self, slot: usize, heading: usize) -> Result<f32, LayerError> {
+    fn exact(&mut self, slot: usize, heading: usize) -> Result<f32, LayerError> {
         let Some((next, rough)) = self.rough(slot, heading)? else { return Ok(f32::INFINITY) };
         let ([a, b], h, index) = self.edge(slot, next, heading);
         if self.exact[index].is_nan() {
@@ -309,10 +364,36 @@ impl<'a> Field<'a> {
         Ok(self.exact[index])
     }
 
+    /// What an edge along a heading costs more than [`Field::rough`] says, infinite where there is no way.
+    pub fn hidden(&mut self, slot: usize, heading: usize) -> Result<f32, LayerError> {
+        let exact = self.exact(slot, heading)?;
+        let rough = self.rough(slot, heading)?.map_or(f32::INFINITY, |e| e.1);
+        Ok(if rough.is_finite() { exact - rough } else { f32::INFINITY })
+    }
+
+    /// The same of the one of the [`Field::hops`] with so many edges, with the edges before and after it, and whether it is a
+    /// tunnel.
+    pub fn hidden_hop(&mut self, slot: usize, heading: usize, edges: usize) -> Result<(f32, bool), LayerError> {
+        let none = (f32::INFINITY, false);
+        let first = self.strip.next(slot, heading);
+        let place = self.hops(slot, heading)?.iter().position(|h| h.edges == edges);
+        let (Some(first), Some(place)) = (first, place) else { return Ok(none) };
+        let mut hop = self.hops(slot, heading)?[place];
+        if let Seen::NotYet = hop.seen {
+            let found = self.span(first, hop.last, heading, edges)?;
+            hop.seen = found.map_or(Seen::Nothing, |(tunnel, cost)| Seen::Span(tunnel, cost as f32));
+            if let Some(held) = self.hops.get_mut(&(slot, heading)) {
+                held[place] = hop;
+            }
+        }
+        let Seen::Span(tunnel, cost) = hop.seen else { return Ok(none) };
+        Ok((cost - hop.cost + self.hidden(slot, heading)? + self.hidden(hop.last, heading)?, tunnel))
+    }
+
     /// The ground some edges along a heading.
-    fn between(&self, slot: usize, heading: usize, edges: f64) -> Ground {
+    fn between(&mut self, slot: usize, heading: usize, edges: f64) -> Ground {
         let at = node_at(self.strip.nodes[slot], self.step) + node_at(STENCIL[heading], self.step) * edges;
-        Ground::of(&self.terrain.sample(at))
+        Ground::of(&(self.scan)(at))
     }
 
     /// Extra cost of a bridge.
@@ -320,12 +401,11 @@ impl<'a> Field<'a> {
         self.t.bridge + length * self.t.water * (1.0 + depth / self.t.depth_limit.max(1e-3))
     }
 
-    /// Whether the ground does not let the edge on, or is so steep that it is better left.
+    /// Whether the ground does not let the edge on, or is so steep that it is better left. Never where the edge is closed or
+    /// there is a road.
     fn is_bad(&mut self, slot: usize, heading: usize) -> Result<bool, LayerError> {
-        let Some(next) = self.strip.next(slot, heading) else { return Ok(false) };
-        let (a, b) = (self.ground(slot)?, self.ground(next)?);
-        let slope = f64::from((a.surface - b.surface).abs()) / self.lengths[heading];
-        Ok(b.depth > 0.0 || slope > DEAR * self.t.slope_limit)
+        self.rough(slot, heading)?;
+        Ok(self.bad[slot] >> heading & 1 == 1)
     }
 
     /// Bridges and tunnels that begin one edge along a heading.
@@ -334,8 +414,12 @@ impl<'a> Field<'a> {
             self.tried[slot] |= 1 << heading;
             let found = self.find_hops(slot, heading)?;
             if !found.is_empty() {
+                self.hopping[slot] |= 1 << heading;
                 self.hops.insert((slot, heading), found);
             }
+        }
+        if self.hopping[slot] >> heading & 1 == 0 {
+            return Ok(&[]);
         }
         Ok(self.hops.get(&(slot, heading)).map_or(&[], Vec::as_slice))
     }
@@ -355,7 +439,8 @@ impl<'a> Field<'a> {
                 && let Some((to, after)) = self.rough(last, heading)?
                 && after.is_finite()
             {
-                out.push(Hop { last, to, edges, tunnel, cost: (length * edges as f64) as f32 });
+                let cost = (length * edges as f64) as f32;
+                out.push(Hop { last, to, edges, cost, seen: Seen::Span(tunnel, cost) });
             }
         }
         if !out.is_empty() || !self.is_bad(first, heading)? {
@@ -377,22 +462,43 @@ impl<'a> Field<'a> {
             }
             let Some((to, after)) = self.rough(last, heading)? else { break };
             if after.is_finite()
-                && let Some((tunnel, cost)) = self.span(first, last, heading, edges)?
+                && let Some(cost) = self.least_span(first, last, edges as f64 * length)?
             {
-                out.push(Hop { last, to, edges, tunnel, cost: cost as f32 });
+                out.push(Hop { last, to, edges, cost: cost as f32, seen: Seen::NotYet });
             }
         }
         Ok(out)
     }
 
-    /// Whether a straight line between two dry nodes could be a bridge or a tunnel, and what it costs then.
-    fn span(&mut self, a: usize, b: usize, heading: usize, edges: usize) -> Result<Option<(bool, f64)>, LayerError> {
-        let length = edges as f64 * self.lengths[heading];
-        let ends = [self.ground(a)?, self.ground(b)?].map(|g| f64::from(g.surface));
-        let grade = (ends[1] - ends[0]).abs() / length;
+    /// What a bridge or tunnel between two dry nodes costs without what it adds to a plain road; `None` if it is too steep.
+    fn plain_span(&mut self, a: usize, b: usize, length: f64) -> Result<Option<f64>, LayerError> {
+        let grade = f64::from((self.ground(a)?.surface - self.ground(b)?.surface).abs()) / length;
         if grade > self.t.slope_limit {
             return Ok(None);
         }
+        let steep = grade / self.t.slope_limit;
+        let ends = f64::from(self.extra[a] + self.extra[b]) / 2.0;
+        Ok(Some(length * (1.0 + ends + self.t.slope * steep * steep).max(LEAST_SHARE)))
+    }
+
+    /// Extra cost of a tunnel.
+    fn tunnel(&self, length: f64) -> f64 {
+        self.t.tunnel + length * self.t.tunnel_metre
+    }
+
+    /// Least cost of a bridge or tunnel between two dry nodes, whatever the ground between them; `None` if neither can be.
+    fn least_span(&mut self, a: usize, b: usize, length: f64) -> Result<Option<f64>, LayerError> {
+        let Some(plain) = self.plain_span(a, b, length)? else { return Ok(None) };
+        let bridge = if length <= self.t.bridge_limit { self.bridge(length, 0.0) } else { f64::INFINITY };
+        let tunnel = if length <= self.t.tunnel_limit { self.tunnel(length) } else { f64::INFINITY };
+        Ok(Some(plain + bridge.min(tunnel)).filter(|c| c.is_finite()))
+    }
+
+    /// Whether a straight line between two dry nodes could be a bridge or a tunnel, and what it costs then.
+    fn span(&mut self, a: usize, b: usize, heading: usize, edges: usize) -> Result<Option<(bool, f64)>, LayerError> {
+        let length = edges as f64 * self.lengths[heading];
+        let Some(plain) = self.plain_span(a, b, length)? else { return Ok(None) };
+        let ends = [self.ground(a)?, self.ground(b)?].map(|g| f64::from(g.surface));
         let (mut bridge, mut tunnel) = (length <= self.t.bridge_limit, length <= self.t.tunnel_limit);
         let (mut depth, mut below, mut above) = (0f64, 0f64, 0f64);
         // First the nodes, whose samples are at hand; then, if they leave it open, the points between them.
@@ -410,14 +516,11 @@ impl<'a> Field<'a> {
                 return Ok(None);
             }
         }
-        let steep = grade / self.t.slope_limit;
-        let ends = f64::from(self.extra[a] + self.extra[b]) / 2.0;
-        let plain = length * (1.0 + ends + self.t.slope * steep * steep).max(LEAST_SHARE);
         if bridge && (depth > 0.0 || below >= CLEARANCE) {
             return Ok(Some((false, plain + self.bridge(length, depth))));
         }
         let dug = tunnel && above >= CLEARANCE;
-        Ok(dug.then_some((true, plain + self.t.tunnel + length * self.t.tunnel_metre)))
+        Ok(dug.then_some((true, plain + self.tunnel(length))))
     }
 }
 

@@ -6,8 +6,9 @@
 
 use super::course::Span;
 use super::field::{Field, Hop};
-use super::lattice::{DIRECTIONS, STENCIL, bends, corner_radius};
+use super::lattice::{DIRECTIONS, STENCIL, bends, corner_radius, node_at};
 use crate::layer::{Cancel, LayerError};
+use crate::space::Bounds;
 use crate::space::math::angle_between;
 use glam::{DVec2, I64Vec2};
 use std::cmp::Reverse;
@@ -52,14 +53,6 @@ fn unqueued(key: u64) -> (f32, usize) {
     (f32::from_bits((key >> 32) as u32), (key & 0xffff_ffff) as usize)
 }
 
-/// How a state was reached: heading before, edges of a bridge or tunnel (0 for a plain edge), and which of both.
-#[derive(Clone, Copy)]
-struct Move {
-    before: u8,
-    edges: u8,
-    tunnel: bool,
-}
-
 /// Cost of the bend between a heading and the road beyond a stop.
 fn bend_beyond(field: &Field, stop: &Stop, heading: usize, arriving: bool) -> f32 {
     if stop.beyond == DVec2::ZERO {
@@ -84,7 +77,8 @@ pub(super) fn geodesic(
     forward(field, from, to, &rest, cancel)
 }
 
-/// Lower bounds of the cost from each slot to an end; `None` if no start is joined to one.
+/// Lower bounds of the cost from each slot to an end; `None` if no start is joined to one. A* towards the starts, without
+/// headings.
 fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Result<Option<Vec<f32>>, LayerError> {
     let count = field.strip.nodes.len();
     let mut rest = vec![f32::INFINITY; count];
@@ -95,26 +89,37 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
             start[slot] = start[slot].min(stop.cost as f32);
         }
     }
+    // A disc around all starts: from each node no less is left to go than to its rim.
+    let ends = Bounds::of(from.iter().map(|s| node_at(s.node, field.step())));
+    let (middle, radius) = (ends.centre(), ends.size().length() / 2.0);
+    let (least, step) = (field.least(), field.step());
+    let ahead: Vec<f32> = field
+        .strip
+        .nodes
+        .iter()
+        .map(|n| (least * (node_at(*n, step).distance(middle) - radius).max(0.0)) as f32)
+        .collect();
     let mut open = BinaryHeap::new();
     for stop in to {
         if let Some(slot) = field.strip.slot(stop.node).filter(|s| rest[*s] > stop.cost as f32) {
             rest[slot] = stop.cost as f32;
-            open.push(queued(rest[slot], slot));
+            open.push(queued(rest[slot] + ahead[slot], slot));
         }
     }
     let (mut best, mut reached) = (f32::INFINITY, f32::INFINITY);
     let mut popped = 0u32;
     let mut hops: Vec<Hop> = Vec::new();
     while let Some(Reverse(key)) = open.pop() {
-        let (cost, slot) = unqueued(key);
+        let (all, slot) = unqueued(key);
         if done[slot] {
             continue;
         }
-        if cost > best * BEYOND.0 + BEYOND.1 {
-            reached = cost;
+        if all > best * BEYOND.0 + BEYOND.1 {
+            reached = all;
             break;
         }
         done[slot] = true;
+        let cost = rest[slot];
         best = best.min(cost + start[slot]);
         popped += 1;
         if popped.is_multiple_of(4096) {
@@ -124,7 +129,7 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
             let Some((next, edge)) = field.rough(slot, heading)? else { continue };
             if cost + edge < rest[next] {
                 rest[next] = cost + edge;
-                open.push(queued(rest[next], next));
+                open.push(queued(rest[next] + ahead[next], next));
             }
             if edge.is_infinite() {
                 continue;
@@ -136,20 +141,34 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
                 let whole = cost + edge + hop.cost + after;
                 if whole < rest[hop.to] {
                     rest[hop.to] = whole;
-                    open.push(queued(whole, hop.to));
+                    open.push(queued(whole + ahead[hop.to], hop.to));
                 }
             }
         }
     }
-    for (cost, done) in rest.iter_mut().zip(done) {
-        if !done {
-            *cost = reached;
-        }
+    for (slot, cost) in rest.iter_mut().enumerate().filter(|(slot, _)| !done[*slot]) {
+        *cost = (reached - ahead[slot]).max(0.0);
     }
     Ok(best.is_finite().then_some(rest))
 }
 
-/// A* over nodes and headings. `rest` bounds from below what is left to pay from each slot.
+/// A way to a state, as far as it is known.
+#[derive(Clone, Copy)]
+struct Label {
+    cost: f32,
+    /// Slot and heading at its end.
+    state: u32,
+    /// The label it goes on from; itself at a start.
+    before: u32,
+    /// Edges of a bridge or tunnel, 0 for a plain edge.
+    edges: u8,
+    tunnel: bool,
+    /// Whether `cost` is the cost, or only a lower bound.
+    exact: bool,
+}
+
+/// A* over nodes and headings. `rest` bounds from below what is left to pay from each slot. What lies between the nodes of an
+/// edge is looked at only when the edge is about to be used (Cohen, Phillips and Likhachev 2014, lazy weighted A*).
 fn forward(
     field: &mut Field,
     from: &[Stop],
@@ -157,11 +176,8 @@ fn forward(
     rest: &[f32],
     cancel: &Cancel,
 ) -> Result<Option<Geodesic>, LayerError> {
-    let t = field.class();
-    let turns = bends(t, field.step());
+    let turns = bends(field.class(), field.step());
     let count = field.strip.nodes.len();
-    let mut costs = vec![f32::INFINITY; count * STATES];
-    let mut moves = vec![Move { before: DIRECTIONS as u8, edges: 0, tunnel: false }; count * STATES];
     let mut done = vec![0u32; count];
     let mut ends = vec![false; count];
     for stop in to {
@@ -169,41 +185,56 @@ fn forward(
             ends[slot] = true;
         }
     }
+    let mut labels: Vec<Label> = Vec::new();
     let mut open = BinaryHeap::new();
     for stop in from {
-        let Some(slot) = field.strip.slot(stop.node) else { continue };
-        let state = slot * STATES + DIRECTIONS;
-        if (stop.cost as f32) < costs[state] && rest[slot].is_finite() {
-            costs[state] = stop.cost as f32;
-            open.push(queued(costs[state] + rest[slot], state));
-        }
+        let Some(slot) = field.strip.slot(stop.node).filter(|s| rest[*s].is_finite()) else { continue };
+        let (cost, before) = (stop.cost as f32, labels.len() as u32);
+        let state = (slot * STATES + DIRECTIONS) as u32;
+        open.push(queued(cost + rest[slot], labels.len()));
+        labels.push(Label { cost, state, before, edges: 0, tunnel: false, exact: true });
     }
     let mut best: Option<(f32, usize, usize)> = None;
     let mut popped = 0u32;
     let mut hops: Vec<Hop> = Vec::new();
     let mut ahead: Vec<(usize, f32)> = Vec::new();
     while let Some(Reverse(key)) = open.pop() {
-        let (all, state) = unqueued(key);
+        let (all, index) = unqueued(key);
         if best.is_some_and(|b| all >= b.0) {
             break;
         }
-        let (slot, heading) = (state / STATES, state % STATES);
+        let mut label = labels[index];
+        let (slot, heading) = (label.state as usize / STATES, label.state as usize % STATES);
         if done[slot] >> heading & 1 == 1 {
             continue;
+        }
+        if !label.exact {
+            let before = labels[label.before as usize].state as usize / STATES;
+            let (more, tunnel) = match label.edges {
+                0 => (field.hidden(before, heading)?, false),
+                edges => field.hidden_hop(before, heading, edges.into())?,
+            };
+            label = Label { exact: true, cost: label.cost + more, tunnel, ..label };
+            labels[index] = label;
+            if more > 0.0 {
+                if more.is_finite() {
+                    open.push(queued(label.cost + rest[slot], index));
+                }
+                continue;
+            }
         }
         done[slot] |= 1 << heading;
         popped += 1;
         if popped.is_multiple_of(4096) {
             cancel.check()?;
         }
-        let here = costs[state];
         let node = field.strip.nodes[slot];
         if ends[slot] {
             for (i, stop) in to.iter().enumerate().filter(|(_, s)| s.node == node) {
                 let bend = if heading < DIRECTIONS { bend_beyond(field, stop, heading, true) } else { 0.0 };
-                let whole = here + stop.cost as f32 + bend;
+                let whole = label.cost + stop.cost as f32 + bend;
                 if best.is_none_or(|b| whole < b.0) {
-                    best = Some((whole, state, i));
+                    best = Some((whole, index, i));
                 }
             }
         }
@@ -215,55 +246,45 @@ fn forward(
             ahead.extend((0..DIRECTIONS).map(|h| (h, start.map_or(0.0, |s| bend_beyond(field, s, h, false)))));
         }
         for (along, bend) in &ahead {
-            let cost = here + bend;
-            let mut reach = |to: usize, cost: f32, step: Move| {
-                let state = to * STATES + along;
-                if cost < costs[state] && rest[to].is_finite() {
-                    costs[state] = cost;
-                    moves[state] = step;
-                    open.push(queued(cost + rest[to], state));
-                    true
-                } else {
-                    false
+            let cost = label.cost + bend;
+            let mut reach = |to: usize, cost: f32, edges: u8| {
+                if done[to] >> along & 1 == 0 && (cost + rest[to]).is_finite() {
+                    open.push(queued(cost + rest[to], labels.len()));
+                    let state = (to * STATES + along) as u32;
+                    labels.push(Label { cost, state, before: index as u32, edges, tunnel: false, exact: false });
                 }
             };
-            let before = heading as u8;
-            let Some((next, rough)) = field.rough(slot, *along)? else { continue };
-            if rough.is_infinite() {
+            let Some((next, edge)) = field.rough(slot, *along)? else { continue };
+            if edge.is_infinite() {
                 continue;
             }
-            let edge = field.exact(slot, *along)?;
-            reach(next, cost + edge, Move { before, edges: 0, tunnel: false });
+            reach(next, cost + edge, 0);
             hops.clear();
             hops.extend(field.hops(slot, *along)?);
             for hop in &hops {
-                let whole = cost + edge + hop.cost + field.exact(hop.last, *along)?;
-                reach(hop.to, whole, Move { before, edges: hop.edges as u8, tunnel: hop.tunnel });
+                let after = field.rough(hop.last, *along)?.map_or(f32::INFINITY, |e| e.1);
+                reach(hop.to, cost + edge + hop.cost + after, hop.edges as u8);
             }
         }
     }
-    let Some((cost, mut state, to)) = best else { return Ok(None) };
+    let Some((cost, mut last, to)) = best else { return Ok(None) };
     // Back to the start, then along the way again.
-    let mut steps: Vec<(usize, Move)> = Vec::new();
-    let mut node = field.strip.nodes[state / STATES];
-    while state % STATES < DIRECTIONS {
-        let (along, step) = (state % STATES, moves[state]);
-        let edges = if step.edges == 0 { 1 } else { i64::from(step.edges) + 2 };
-        node -= STENCIL[along] * edges;
-        steps.push((along, step));
-        let Some(slot) = field.strip.slot(node) else { return Ok(None) };
-        state = slot * STATES + usize::from(step.before);
+    let mut steps: Vec<Label> = Vec::new();
+    while labels[last].before as usize != last {
+        steps.push(labels[last]);
+        last = labels[last].before as usize;
     }
-    let start = node;
-    let (mut nodes, mut spans) = (vec![start], Vec::new());
-    for (along, step) in steps.iter().rev() {
+    let start = field.strip.nodes[labels[last].state as usize / STATES];
+    let (mut node, mut nodes, mut spans) = (start, vec![start], Vec::new());
+    for step in steps.iter().rev() {
+        let along = STENCIL[step.state as usize % STATES];
         let edges = if step.edges == 0 { 1 } else { usize::from(step.edges) + 2 };
         if step.edges > 0 {
             let first = nodes.len();
             spans.push(Span { first, last: first + usize::from(step.edges), tunnel: step.tunnel });
         }
         for _ in 0..edges {
-            node += STENCIL[*along];
+            node += along;
             nodes.push(node);
         }
     }

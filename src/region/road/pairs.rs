@@ -21,9 +21,9 @@ const HOPELESS: f64 = 0.87;
 /// Extra cost per metre, a kilometre off the beeline: of ways that cost the same, the straightest is taken.
 const OFF_BEELINE: f64 = 0.01;
 /// Share by which ratios of distances on the wide lattice may be wrong; in nine of ten cases it is less than a third.
-const DOUBT: f64 = 0.06;
-/// Greatest distance at which a settlement repels roads that do not serve it, in metres.
-const MOST_REPEL: f64 = 4_000.0;
+const DOUBT: f64 = 0.02;
+/// Distance from its circle within which a settlement repels roads that do not serve it, in metres.
+const REPEL: f64 = 500.0;
 
 /// The cheapest way between two settlements on the wide lattice.
 #[derive(Clone, Debug)]
@@ -205,9 +205,9 @@ pub(super) fn open_ground<'a>(
 ) -> Result<Field<'a>, LayerError> {
     let t = work.settings.tier(tier);
     let step = work.settings.step;
-    let near = Bounds::of(strip.nodes.iter().map(|n| node_at(*n, step))).grown(MOST_REPEL);
+    let near = Bounds::of(strip.nodes.iter().map(|n| node_at(*n, step))).grown(REPEL);
     let mut field = work.field(t, strip);
-    for s in work.places.of_tier(near, tier)?.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
+    for s in work.places.overlapping_of(near, tier)?.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
         field.add(|_, node| repelled(t, s, node_at(node, step)));
     }
     work.control.influence(tier, &mut field);
@@ -221,7 +221,7 @@ fn repelled(t: &TierSettings, s: &Settlement, at: DVec2) -> f64 {
 
 /// Distance in metres at which a settlement repels.
 fn repels(s: &Settlement) -> f64 {
-    (1.6 * s.radius + 200.0).min(MOST_REPEL)
+    s.radius + REPEL
 }
 
 /// Control term h of the settlements of the road's class or above that it does not serve: kernels around them (Galin
@@ -236,7 +236,7 @@ pub(super) fn repulsion(
 ) -> Result<Vec<f32>, LayerError> {
     let mut out = vec![0f32; window.len()];
     let bounds = Bounds::new(node_at(window.min, step), node_at(window.min + window.size - 1, step));
-    for s in work.places.of_tier(bounds.grown(MOST_REPEL), tier)? {
+    for s in work.places.overlapping_of(bounds.grown(REPEL), tier)? {
         if ends.iter().any(|e| e.id == s.id) {
             continue;
         }
@@ -268,18 +268,35 @@ pub(super) fn hopeless(t: &TierSettings, a: &Settlement, b: &Settlement, others:
     })
 }
 
-/// Whether the proximity rule keeps a pair. `others` holds every settlement of the pair's class or above within reach of
-/// both ends; it may hold more.
-///
-/// The rule is about distances over the ground. Those on the wide lattice are close to them: they decide where they leave
-/// no doubt, and only the others are measured on the fine one.
-pub(super) fn kept(
+/// Settlements of a pair's class or above nearer than `most` to both of its ends, as the beeline goes; there may be more.
+fn within(work: &Work, a: &Settlement, b: &Settlement, most: f64) -> Result<Vec<Arc<Settlement>>, LayerError> {
+    let [near_a, near_b] = [a, b].map(|s| Bounds::square(s.centre.plan(), 2.0 * most));
+    let both = Bounds::new(near_a.min.max(near_b.min), near_a.max.min(near_b.max));
+    work.places.of_tier(both, tier_of(a, b))
+}
+
+/// Whether a pair is worth a search: whether no settlement makes it [`hopeless`]. `known` are some settlements, to begin with.
+pub(super) fn is_tried(
     work: &Work,
     a: &Settlement,
     b: &Settlement,
-    others: &[Arc<Settlement>],
-    cancel: &Cancel,
+    known: &[Arc<Settlement>],
 ) -> Result<bool, LayerError> {
+    if work.control.wants(a, b) {
+        return Ok(true);
+    }
+    let t = work.settings.tier(tier_of(a, b));
+    if hopeless(t, a, b, known) {
+        return Ok(false);
+    }
+    Ok(!hopeless(t, a, b, &within(work, a, b, HOPELESS * beeline(a, b))?))
+}
+
+/// Whether the proximity rule keeps a pair.
+///
+/// The rule is about distances over the ground. Those on the wide lattice are close to them: they decide where they leave
+/// no doubt, and only the others are measured on the fine one.
+pub(super) fn kept(work: &Work, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<bool, LayerError> {
     let tier = tier_of(a, b);
     let t = work.settings.tier(tier);
     let wide = |a: &Settlement, b: &Settlement| Ok::<f64, LayerError>(pair(work, tier, a, b, cancel)?.cost);
@@ -297,8 +314,9 @@ pub(super) fn kept(
     let around = ends.grown(2.0 * t.padding(work.settings.step));
     let least = work.control.terms(tier, around).least();
     // A cost is at least the beeline, or that share of it, so only these can rule the pair out; the most likely first.
+    let others = within(work, a, b, t.reach.min(ab * (1.0 + DOUBT) / least))?;
     let mut near: Vec<(f64, &Arc<Settlement>)> = Vec::new();
-    for c in others {
+    for c in &others {
         let (ac, bc) = (beeline(a, c), beeline(b, c));
         if c.id != a.id
             && c.id != b.id

@@ -13,6 +13,13 @@ pub(super) trait Places: Send + Sync {
     /// Settlements whose circle overlaps `bounds` (plan metres), sorted by id.
     fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError>;
 
+    /// The same of at least the size `tier`.
+    fn overlapping_of(&self, bounds: Bounds, tier: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let mut out = self.overlapping(bounds)?;
+        out.retain(|s| s.size >= tier);
+        Ok(out)
+    }
+
     /// Outline of a settlement.
     fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError>;
 
@@ -41,6 +48,10 @@ impl Places for Settlements {
 
     fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
         Settlements::overlapping(self, bounds)
+    }
+
+    fn overlapping_of(&self, bounds: Bounds, tier: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        Settlements::overlapping_of(self, bounds, tier)
     }
 
     fn outline(&self, settlement: &Settlement) -> Result<Arc<Outline>, LayerError> {

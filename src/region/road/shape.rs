@@ -225,6 +225,10 @@ fn conflicts(
     }
     let reach = Reach::new("roads", own, (PADDING_STEPS + 4.0) * step);
     for s in work.places.overlapping(reach.check(own.grown((PADDING_STEPS + 2.0) * step))?)? {
+        let circle = Bounds::square(s.centre.offset_to(around.origin), 2.0 * s.radius);
+        if !lines.iter().any(|e| e.bounds.overlaps(circle)) {
+            continue;
+        }
         let outline = work.places.outline(&s)?;
         let shift = around.origin.offset_to(outline.origin);
         let bounds = outline.bounds().moved(-around.origin.plan());

@@ -27,6 +27,11 @@ const BORDER_CLEARANCE: f64 = 70.0;
 /// How far beyond an outline ties and closed edges reach, in steps of the lattice.
 pub(super) const SITE_STEPS: f64 = 6.0;
 
+/// Within so many steps of a settlement's circle lie its ties, and all edges that would meet them come nearer than that.
+pub(super) const TIE_REACH: f64 = 2.3;
+/// Greatest length of a tie in steps.
+const LONGEST_TIE: f64 = 2.0;
+
 /// A way from a gate to the lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tie {
@@ -72,7 +77,7 @@ pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, Laye
     let count = polygon.len();
     let around: f64 = (0..count).map(|i| polygon[i].distance(polygon[(i + 1) % count])).sum();
     let sectors = ((around / GATE_SPACING) as usize).clamp(3, MOST_TIES);
-    let mut best: Vec<Option<(f64, Tie)>> = vec![None; sectors];
+    let mut possible: Vec<Vec<(f64, Tie)>> = vec![Vec::new(); sectors];
     let mut along = 0.0;
     for (vertex, gate) in polygon.iter().enumerate() {
         let sector = ((along / around * sectors as f64) as usize).min(sectors - 1);
@@ -88,14 +93,16 @@ pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, Laye
             if !clears_borders(&outline, *gate, end) {
                 continue;
             }
-            if best[sector].as_ref().is_none_or(|b| score < b.0) && is_dry(work, &outline, *gate, node) {
-                let way = gate.length() + gate.distance(outline.origin.to_local(node_at(node, step)));
-                best[sector] = Some((score, Tie { vertex, gate: *gate, node, way }));
-            }
+            let way = gate.length() + gate.distance(end);
+            possible[sector].push((score, Tie { vertex, gate: *gate, node, way }));
         }
     }
     let mut out: Vec<Tie> = Vec::new();
-    for (_, tie) in best.into_iter().flatten() {
+    for mut ties in possible {
+        // Stable: of equals the first stays first.
+        ties.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let dry = ties.into_iter().find(|(_, t)| is_dry(work, &outline, t.gate, t.node));
+        let Some((_, tie)) = dry else { continue };
         let end = outline.origin.to_local(node_at(tie.node, step));
         let clear = |o: &Tie| {
             let other = outline.origin.to_local(node_at(o.node, step));
@@ -130,23 +137,27 @@ fn nodes_outside(outline: &Outline, vertex: usize, step: i64) -> Vec<(f64, I64Ve
     }
     let s = step as f64;
     let middle = super::lattice::node_near(outline.origin.to_plan(at + normal * s * 1.2), step);
+    // Edges that a tie from here could come near.
+    let edge = |i: usize| (polygon[i], polygon[(i + 1) % count]);
+    let beside: Vec<usize> =
+        (0..count).filter(|i| distance_to_segment(at, edge(*i).0, edge(*i).1) < (LONGEST_TIE + 0.6) * s).collect();
     let mut out = Vec::new();
     for dy in -1..=1 {
         for dx in -1..=1 {
             let node = middle + I64Vec2::new(dx, dy);
             let end = outline.origin.to_local(node_at(node, step));
             let (length, angle) = (at.distance(end), crate::space::math::angle_between(end - at, normal));
-            if length < 0.7 * s || length > 2.0 * s || angle > FRAC_PI_4 {
+            if length < 0.7 * s || length > LONGEST_TIE * s || angle > FRAC_PI_4 {
                 continue;
             }
             let near = |a: DVec2, b: DVec2, margin: f64| {
-                (0..count).any(|i| segment_distance(a, b, polygon[i], polygon[(i + 1) % count]) < margin)
+                beside.iter().any(|i| segment_distance(a, b, edge(*i).0, edge(*i).1) < margin)
             };
             // From a little way out, the tie must keep its distance; before that only not cross.
             let out_there = at + (end - at) * (TIE_CLEARANCE * 1.5 / length);
-            let crosses = (0..count).any(|i| {
-                let j = (i + 1) % count;
-                i != vertex && j != vertex && segment_crossing(at, out_there, polygon[i], polygon[j]).is_some()
+            let crosses = beside.iter().any(|i| {
+                let own = *i == vertex || (i + 1) % count == vertex;
+                !own && segment_crossing(at, out_there, edge(*i).0, edge(*i).1).is_some()
             });
             let inside = point_in_polygon(out_there, polygon) || point_in_polygon(end, polygon);
             if inside || crosses || near(out_there, end, TIE_CLEARANCE * 0.8) || near(end, end, 0.6 * s) {
@@ -173,7 +184,9 @@ pub(super) fn site(work: &Work, s: &Settlement) -> Result<Site, LayerError> {
     let read = reach.check(own.grown(4.0 * step as f64))?;
     let mut ties = work.candidates(s)?.0.clone();
     for other in work.places.overlapping(read)? {
-        if other.id == s.id {
+        // Ties of both reach out of their circles.
+        let room = (2.0 * LONGEST_TIE + 0.2) * step as f64;
+        if other.id == s.id || s.centre.offset_to(other.centre).length() > s.radius + other.radius + room {
             continue;
         }
         let there = work.places.outline(&other)?;
@@ -204,6 +217,7 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
     let local = |node: I64Vec2| outline.origin.to_local(node_at(node, step));
     let polygon = &outline.polygon;
     let margin = 0.33 * step as f64;
+    let lengths = STENCIL.map(|s| s.as_dvec2().length() * step as f64);
     let mut closed = vec![0u16; window.len()];
     let mut close = |node: I64Vec2, heading: usize| {
         for (node, heading) in [(node, heading), (node + STENCIL[heading], (heading + 8) % 16)] {
@@ -222,12 +236,12 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
             for x in min.x..max.x {
                 let node = I64Vec2::new(x, y);
                 let p = local(node);
-                let node_near = distance_to_segment(p, *a, b) < 0.5 * step as f64;
+                let off = distance_to_segment(p, *a, b);
+                let node_near = off < 0.5 * step as f64;
                 for (heading, s) in STENCIL.iter().enumerate() {
-                    let q = local(node + *s);
                     let passes = || {
-                        Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
-                            && segment_distance(p, q, *a, b) < margin
+                        off < margin + lengths[heading]
+                            && segment_distance(p, p + s.as_dvec2() * step as f64, *a, b) < margin
                     };
                     if node_near || (heading < 8 && passes()) {
                         close(node, heading);

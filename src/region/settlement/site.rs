@@ -2,7 +2,7 @@
 
 use crate::region::outline::smooth;
 use crate::space::math;
-use crate::terrain::{Scan, Terrain};
+use crate::terrain::Scan;
 use glam::DVec2;
 use std::f64::consts::TAU;
 
@@ -23,9 +23,9 @@ const BANK: (f64, f64) = (1.4, 5.0);
 const SLOPE_LENGTH: f64 = 40.0;
 /// Distance in metres between the rays that a place is judged by, at its radius, and how many they are.
 const RAY_SPACING: f64 = 120.0;
-const RAYS: (usize, usize) = (12, 24);
+const RAYS: (usize, usize) = (10, 18);
 /// Distance from a place within which it is judged as finely as outlines are made; beyond it with steps so much longer.
-const JUDGED: (f64, f64) = (200.0, 2.5);
+const JUDGED: (f64, f64) = (130.0, 3.0);
 /// Share of its circle that a settlement fills at least.
 const LEAST_AREA: f64 = 0.42;
 /// A settlement ends where the ground is this many times steeper than its mean slope may be.
@@ -100,39 +100,38 @@ pub(in crate::region) fn ray(ground: &mut Scan<'_>, course: Course, max_slope: f
 
 /// How promising a place looks from a few samples: greater is better; `None` where a settlement cannot be.
 pub(super) fn promise(
-    terrain: &dyn Terrain,
+    ground: &mut Scan<'_>,
     centre: DVec2,
     radius: f64,
     max_slope: f64,
     max_height: f64,
 ) -> Option<f64> {
-    let middle = terrain.sample(centre);
+    let middle = ground(centre);
     if middle.depth() > 0.0 || middle.height > max_height {
         return None;
     }
     let (mut slope, mut inner, mut outer) = (0.0, 0, 0);
-    for i in 0..16 {
-        // Two rings of eight.
+    for i in 0..10 {
+        // Two rings of five.
         let distance = radius * if i % 2 == 0 { 0.4 } else { 0.85 };
-        let s = terrain.sample(centre + math::direction(f64::from(i) / 16.0 * TAU) * distance);
-        slope += (s.height.max(s.water_level) - middle.height).abs() / distance / 16.0;
+        let s = ground(centre + math::direction(f64::from(i) / 10.0 * TAU) * distance);
+        slope += (s.height.max(s.water_level) - middle.height).abs() / distance / 10.0;
         *(if i % 2 == 0 { &mut inner } else { &mut outer }) += i32::from(s.depth() > 0.0);
     }
     // A waterfront is worth something, water all around is not.
-    let shore = if outer <= 4 { 0.1 * f64::from(outer) } else { 0.0 };
+    let shore = if outer <= 2 { 0.2 * f64::from(outer) } else { 0.0 };
     let high = middle.height.max(0.0) / max_height.max(1.0);
-    Some(shore - slope / max_slope - 0.4 * f64::from(inner) - 0.15 * f64::from(outer.max(4) - 4) - 0.5 * high)
+    Some(shore - slope / max_slope - 0.6 * f64::from(inner) - 0.25 * f64::from(outer.max(2) - 2) - 0.5 * high)
 }
 
 /// Whether a settlement of a radius finds enough ground around a place, and none of it too steep.
-pub(super) fn suits(terrain: &dyn Terrain, centre: DVec2, radius: f64, max_slope: f64) -> bool {
+pub(super) fn suits(ground: &mut Scan<'_>, centre: DVec2, radius: f64, max_slope: f64) -> bool {
     let rays = ((TAU * radius / RAY_SPACING) as usize).clamp(RAYS.0, RAYS.1);
     let (mut reach, mut climb, mut length) = (vec![0.0; rays], 0.0, 0.0);
-    let mut ground = terrain.scan();
     for (i, reach) in reach.iter_mut().enumerate() {
         let way = math::direction(i as f64 / rays as f64 * TAU);
         let course = Course { centre, way, from: 0.0, limit: radius, fine: JUDGED.0 };
-        let ray = ray(&mut ground, course, max_slope);
+        let ray = ray(ground, course, max_slope);
         if ray.reach < LEAST_REACH {
             return false;
         }

@@ -300,7 +300,7 @@ fn courses(work: &mut Work, tier: SizeClass, task: &NetworkTask<'_>) -> Result<V
     // That a pair is hopeless is judged by beelines. In mountains these may lead astray: the cheapest way from one part of the
     // network to the rest, which the proximity rule never rules out, is found among all pairs.
     while !wanted.is_empty() {
-        let found = built(work, tier, &wanted, &all, task)?;
+        let found = built(work, tier, &wanted, task)?;
         let stuck = found.is_empty() && !tried.is_empty();
         out.extend(found);
         tried.extend(wanted.iter().map(|(a, b)| (a.id, b.id)));
@@ -329,11 +329,10 @@ fn built(
     work: &mut Work,
     tier: SizeClass,
     tried: &[(&Arc<Settlement>, &Arc<Settlement>)],
-    all: &[Arc<Settlement>],
     task: &NetworkTask<'_>,
 ) -> Result<Vec<Arc<Course>>, LayerError> {
     let what = format!("finding {} roads", super::class_of(tier).name());
-    let keeps = each(task, &what, tried, |(a, b)| kept(work, a, b, all, &task.cancel))?;
+    let keeps = each(task, &what, tried, |(a, b)| kept(work, a, b, &task.cancel))?;
     let mut pairs: Vec<_> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
     let mut out: Vec<Arc<Course>> = Vec::new();
     let corridor = work.settings.tier(tier).corridor;

@@ -24,11 +24,12 @@ fn brute_force(field: &mut Field, from: I64Vec2, to: I64Vec2) -> f64 {
         }
         let any: Vec<(usize, f32)> = (0..DIRECTIONS).map(|h| (h, 0.0)).collect();
         for (along, bend) in if heading < DIRECTIONS { &turns[heading] } else { &any } {
-            let edge = f64::from(field.exact(slot, *along).unwrap());
-            let Some((next, _)) = field.rough(slot, *along).unwrap() else { continue };
-            let mut reached = vec![(next, edge)];
+            let Some((next, edge)) = field.rough(slot, *along).unwrap() else { continue };
+            let mut reached = vec![(next, f64::from(edge + field.hidden(slot, *along).unwrap()))];
             for hop in field.hops(slot, *along).unwrap().to_vec() {
-                reached.push((hop.to, edge + f64::from(hop.cost + field.exact(hop.last, *along).unwrap())));
+                let after = field.rough(hop.last, *along).unwrap().map_or(f32::INFINITY, |e| e.1);
+                let (more, _) = field.hidden_hop(slot, *along, hop.edges).unwrap();
+                reached.push((hop.to, f64::from(edge + hop.cost + after + more)));
             }
             for (next, more) in reached {
                 let (cost, state) = (here + f64::from(*bend) + more, next * DIRECTIONS + along);
