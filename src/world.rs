@@ -6,7 +6,7 @@ mod audit;
 mod route;
 mod settings;
 
-pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
+pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};

@@ -38,6 +38,9 @@ const MOST_VIA: usize = 32;
 ///     influences: [
 ///         (shape: Area([(0, 0), (4000, 0), (4000, 3000)]), radius: 600, strength: 4),
 ///     ],
+///     way_points: [
+///         (at: (5200, 900), class: Major),
+///     ],
 ///     roads: [
 ///         Keep(from: (1200, -300), to: (9000, 400)),
 ///     ],
@@ -52,6 +55,8 @@ pub struct Edits {
     pub settlements: Vec<SettlementEdit>,
     /// What draws roads near or drives them off.
     pub influences: Vec<Influence>,
+    /// Nodes of the network of roads.
+    pub way_points: Vec<WayPoint>,
     /// Roads kept, led and banned.
     pub roads: Vec<RoadEdit>,
 }
@@ -128,7 +133,24 @@ pub enum Shape {
     Area(Vec<DVec2>),
 }
 
-/// A wish for the road between two settlements, each named by a point in its circle.
+/// A persistent way point (Galin 2011, section 4.3): a junction that roads of a class and of lower ones lead to and pass. To the
+/// proximity rule it is one more settlement, of the size that the class belongs to and without an extent; a town's roads to it
+/// are major, a village's minor.
+///
+/// It stands where land is even enough for a road, 4 steps of the roads' lattice (512 m) or more from outlines and from other
+/// way points. It changes the roads of the class and of lower ones that the proximity rule weighs it against, as a settlement
+/// of that size would: those with both ends within the `reach` of their class from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WayPoint {
+    /// Where, rounded to whole metres.
+    pub at: DVec2,
+    /// Highest class of roads that pass: highway, major or minor.
+    pub class: StreetClass,
+}
+
+/// A wish for the road between two settlements, each named by a point in its circle, or for that to a way point, named by a
+/// point within 100 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RoadEdit {
@@ -164,6 +186,8 @@ pub enum EditList {
     Settlements,
     /// `influences`
     Influences,
+    /// `way_points`
+    WayPoints,
     /// `roads`
     Roads,
 }
@@ -174,6 +198,7 @@ impl EditList {
         match self {
             Self::Settlements => "settlements",
             Self::Influences => "influences",
+            Self::WayPoints => "way_points",
             Self::Roads => "roads",
         }
     }
@@ -209,7 +234,7 @@ impl Edits {
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.settlements.is_empty() && self.influences.is_empty() && self.roads.is_empty()
+        *self == Self::default()
     }
 
     /// Checks all that can be known without a world: ranges, counts of points, borders that cross themselves.
@@ -222,6 +247,7 @@ impl Edits {
         }
         all(EditList::Settlements, &self.settlements, SettlementEdit::check)?;
         all(EditList::Influences, &self.influences, Influence::check)?;
+        all(EditList::WayPoints, &self.way_points, WayPoint::check)?;
         all(EditList::Roads, &self.roads, RoadEdit::check)
     }
 }
@@ -291,6 +317,14 @@ impl Influence {
             Some(class) => Err(format!("classes holds {class:?}; allowed are Highway, Major, Minor")),
             None => Ok(()),
         }
+    }
+}
+
+impl WayPoint {
+    fn check(&self) -> Result<(), String> {
+        place("at", self.at)?;
+        let class = self.class;
+        if class.is_road() { Ok(()) } else { Err(format!("class is {class:?}; allowed are Highway, Major, Minor")) }
     }
 }
 
