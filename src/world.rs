@@ -3,6 +3,7 @@
 mod area;
 mod assets;
 mod audit;
+mod changed;
 mod route;
 mod settings;
 
@@ -10,6 +11,7 @@ pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdi
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use changed::changed_by_edits;
 pub use route::Route;
 pub use settings::{CacheSettings, Settings};
 

@@ -92,6 +92,7 @@ fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
             settings: Settings::default(),
             assets: WorldAssets::default(),
             edits: Default::default(),
+            terrain: Default::default(),
         })
         .insert_resource(SprawlOrigin::default())
         .init_resource::<StreamSettings>()

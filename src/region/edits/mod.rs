@@ -49,6 +49,7 @@ const MOST_VIA: usize = 32;
 /// # Ok::<(), bevy_sprawl::layer::FileError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct Edits {
     /// Settlements pinned, moved and banned.
@@ -65,6 +66,7 @@ pub struct Edits {
 /// place. So an edit reaches as far as settlements must keep apart: `clearance` times both radii and `gap`, or twice what
 /// the larger keeps for itself; outlines, and the towns in them, change where a neighbour did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub enum SettlementEdit {
     /// A settlement of its own. Its id is a hash of its place.
@@ -108,6 +110,7 @@ pub enum SettlementEdit {
 /// pairs of theirs and of their neighbours the proximity rule keeps, and roads of lower classes that ran along or beside
 /// these. Where a road becomes too dear for the greatest detour of its class, it is not built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub struct Influence {
     /// Where.
@@ -123,6 +126,7 @@ pub struct Influence {
 
 /// The shape of an influence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum Shape {
     /// One point.
     Point(DVec2),
@@ -141,6 +145,7 @@ pub enum Shape {
 /// way points. It changes the roads of the class and of lower ones that the proximity rule weighs it against, as a settlement
 /// of that size would: those with both ends within the `reach` of their class from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub struct WayPoint {
     /// Where, rounded to whole metres.
@@ -152,6 +157,7 @@ pub struct WayPoint {
 /// A wish for the road between two settlements, each named by a point in its circle, or for that to a way point, named by a
 /// point within 100 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub enum RoadEdit {
     /// There is a road, whatever the proximity rule says; the settlements lie within the reach of its class.
