@@ -27,16 +27,14 @@ mod diagnostics;
 mod gizmos;
 mod origin;
 mod param;
-mod schedule;
 mod rejected;
+mod schedule;
 mod source;
 mod streaming;
 
 pub use anchor::{AnchorMotion, StreamAnchor};
 pub use appearance::{ChunkPart, SprawlMaterials};
-pub use assets::{
-    AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader,
-};
+pub use assets::{AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader};
 pub use chunk::{ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
 pub use diagnostics::{
     DIAGNOSTIC_APPLY_MS, DIAGNOSTIC_CHUNKS_LOADED, DIAGNOSTIC_CHUNKS_MADE, DIAGNOSTIC_MAIN_THREAD_MS,
@@ -45,8 +43,8 @@ pub use diagnostics::{
 pub use gizmos::SprawlGizmos;
 pub use origin::{OriginSettings, OriginShifted, ShiftsWithOrigin, SprawlOrigin};
 pub use param::{SpawnPoint, Sprawl};
-pub use schedule::SprawlSystems;
 pub use rejected::{EditRejected, RejectedEdits};
+pub use schedule::SprawlSystems;
 pub use source::{SprawlSource, SprawlWorld, TerrainOrigin, WorldChanged, WorldRejected};
 pub use streaming::StreamSettings;
 

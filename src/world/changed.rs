@@ -245,7 +245,8 @@ mod tests {
             style: None,
             radius: None,
         };
-        let edits = |places: &[f64]| Edits { settlements: places.iter().map(|x| pin(*x)).collect(), ..Edits::default() };
+        let edits =
+            |places: &[f64]| Edits { settlements: places.iter().map(|x| pin(*x)).collect(), ..Edits::default() };
         let of = |a: &[f64], b: &[f64]| changed_by_edits(&settings, &edits(a), &edits(b));
         assert!(of(&[0.0, 1e6], &[0.0, 1e6]).is_empty());
         let alone = of(&[1e6], &[0.0, 1e6]);

@@ -1,8 +1,8 @@
 //! The file that edits are loaded from, and loaded again from when it is saved.
 
+use super::AssetRejected;
 use super::folder::reject;
 use super::loader::read;
-use super::AssetRejected;
 use crate::layer::FileError;
 use crate::plugin::source::{Making, SprawlSource};
 use crate::region::{Edits, RejectedEdit};
@@ -89,9 +89,7 @@ pub(super) fn take_edits(
     mut source: ResMut<SprawlSource>,
     mut making: ResMut<Making>,
 ) {
-    let own = |e: &AssetEvent<EditsFile>| {
-        matches!(e, AssetEvent::Added { id } | AssetEvent::Modified { id } if *id == file.handle.id())
-    };
+    let own = |e: &AssetEvent<EditsFile>| matches!(e, AssetEvent::Added { id } | AssetEvent::Modified { id } if *id == file.handle.id());
     if events.read().filter(|e| own(e)).count() == 0 {
         return;
     }

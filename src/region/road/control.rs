@@ -210,7 +210,9 @@ fn wish(
 ) -> Result<([Arc<Settlement>; 2], Wish), String> {
     let find = |p: DVec2| {
         let found = settlement_at(places, p).map_err(|e| e.to_string())?;
-        found.ok_or_else(|| format!("no settlement is at {},{}; allowed is a point in the circle of one, or at a way point", p.x, p.y))
+        found.ok_or_else(|| {
+            format!("no settlement is at {},{}; allowed is a point in the circle of one, or at a way point", p.x, p.y)
+        })
     };
     let [from, to] = edit.ends();
     let (from, to) = (find(from)?, find(to)?);

@@ -82,15 +82,14 @@ impl Nodes {
         let (base, p) = self.local(origin, p);
         let first = (p / self.step as f64).floor().as_i64vec2();
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| first + I64Vec2::new(x, y));
-        let all = corners.into_iter().fold(DVec2::ZERO, |out, corner| {
-            match self.shift.get(&(base + corner).to_array()) {
+        let all =
+            corners.into_iter().fold(DVec2::ZERO, |out, corner| match self.shift.get(&(base + corner).to_array()) {
                 Some(shift) => {
                     let off = (p - node_at(corner, self.step)) / self.step as f64;
                     out + *shift * bump(off.x) * bump(off.y)
                 }
                 None => out,
-            }
-        });
+            });
         quantize(all)
     }
 

@@ -61,12 +61,7 @@ pub(super) fn standing(
 }
 
 /// Why there can be no way point at a place, if there can be none.
-fn unfit(
-    centre: Origin,
-    terrain: &dyn Terrain,
-    places: &dyn Places,
-    step: i64,
-) -> Result<Option<String>, LayerError> {
+fn unfit(centre: Origin, terrain: &dyn Terrain, places: &dyn Places, step: i64) -> Result<Option<String>, LayerError> {
     let at = centre.plan();
     let node = node_at(node_near(at, step), step);
     if [at, node].iter().any(|p| terrain.sample(*p).depth() > 0.0) {
