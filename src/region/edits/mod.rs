@@ -143,7 +143,8 @@ pub enum Shape {
 ///
 /// It stands where land is even enough for a road, 4 steps of the roads' lattice (512 m) or more from outlines and from other
 /// way points. It changes the roads of the class and of lower ones that the proximity rule weighs it against, as a settlement
-/// of that size would: those with both ends within the `reach` of their class from it.
+/// of that size would: those with both ends within the `reach` of their class from it. Where one road alone finds its way there,
+/// it ends there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]

@@ -26,15 +26,16 @@
 //! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
 //! by that padding, and decided by settlements a `reach` further; a window of the ground that a search reads lies within the
 //! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read. Edits change none of this: ways that
-//! influences make cheap, and those through given points, keep within the ellipse of their pair.
+//! influences make cheap, and those through given points, keep within the ellipse of their pair. A way point that persists is one
+//! more settlement, without an outline: `way_points`, `node`. How far a change of edits reaches is in `spread`.
 //!
 //! # What holds
 //!
 //! Roads of one level meet only at junctions; bridges and tunnels that a search chose are levels of their own. Courses
 //! meet only at nodes and crossings of the lattice, which are vertices of the graph, connectors of merged roads are split
 //! where they meet others, and smoothing moves a line only where nothing is near. Roads touch an outline only in their
-//! gate, since the lattice is closed around it. Every course ends in gates, and merging leaves no dead ends, so no road
-//! ends in a field. Settlements that touch have no course: their border is the way between them, and no tie or course
+//! gate, since the lattice is closed around it. Every course ends in gates or way points, and merging leaves no dead ends, so
+//! no road ends in a field where the user has set no way point. Settlements that touch have no course: their border is the way between them, and no tie or course
 //! comes near it.
 
 mod control;
@@ -101,14 +102,14 @@ pub struct Gate {
     pub class: StreetClass,
 }
 
-/// A connection of two settlements that the proximity rule keeps, and that a road serves; not of two that touch.
+/// A connection of two settlements or way points that the proximity rule keeps, and that a road serves; not of two that touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Stable name.
     pub id: StreetId,
-    /// The settlement with the lower id.
+    /// The settlement or way point with the lower id.
     pub from: SettlementId,
-    /// The settlement with the higher id.
+    /// The settlement or way point with the higher id.
     pub to: SettlementId,
     /// Class tau = min(sigma, sigma).
     pub class: StreetClass,
