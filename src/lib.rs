@@ -41,8 +41,8 @@ pub mod prelude {
     #[cfg(feature = "bevy")]
     pub use crate::plugin::{
         AssetOrigin, AssetRejected, ChunkData, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded,
-        OriginShifted, ShiftsWithOrigin, Sprawl, SprawlGizmos, SprawlOrigin, SprawlPlugin, SprawlSource, SprawlStats,
-        SprawlSystems, StreamAnchor, StreamSettings, WorldChanged,
+        EditRejected, OriginShifted, RejectedEdits, ShiftsWithOrigin, Sprawl, SprawlGizmos, SprawlOrigin, SprawlPlugin,
+        SprawlSource, SprawlStats, SprawlSystems, StreamAnchor, StreamSettings, TerrainOrigin, WorldChanged,
     };
     pub use crate::space::{ChunkCoord, Origin, Seed};
 }

@@ -3,13 +3,15 @@
 mod area;
 mod assets;
 mod audit;
+mod changed;
 mod route;
 mod settings;
 
-pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
+pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use changed::changed_by_edits;
 pub use route::Route;
 pub use settings::{CacheSettings, Settings};
 

@@ -105,6 +105,12 @@ fn a_wrong_file_of_edits_is_refused_at_its_line() {
             "cross.ron:3:5: influences[0]: the border of the area crosses itself at 4.5,4.5",
         ),
         ("few", "(roads: [Via(from: (0, 0), to: (1, 1), points: [])])", "few.ron:1:10: roads[0]: points has 0 points"),
+        (
+            "nan",
+            "(\n  way_points: [\n    (at: (0, NaN), class: Minor),\n  ],\n)",
+            "nan.ron:3:5: way_points[0]: at.y is NaN",
+        ),
+        ("far", "(way_points: [(at: (1e11, 0), class: Minor)])", "far.ron:1:15: way_points[0]: at.x is 100000000000"),
     ];
     for (name, text, expected) in cases {
         let path = file(&format!("{name}.ron"), text);
@@ -119,6 +125,7 @@ fn edits_that_cannot_be_are_named_and_the_world_goes_on() {
     let (x, y) = city().split_once(',').expect("two numbers");
     let text = format!(
         "(\n  settlements: [\n    Ban(at: ({x}, {y}), radius: 1),\n    Pin(at: (0, 0), size: Town, style: \"roman\"),\n  ],\n  \
+         way_points: [\n    (at: ({x}, {y}), class: Major),\n    (at: ({x}, {y}), class: Minor),\n  ],\n  \
          roads: [ // none of these\n    Keep(from: ({x}, {y}), to: (1e9, 0)),\n  ],\n)"
     );
     let path = file("rejected.ron", &text);
@@ -133,8 +140,11 @@ fn edits_that_cannot_be_are_named_and_the_world_goes_on() {
         report["rejected_edits"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     let warned: Vec<&str> = lines.lines().filter_map(|l| l.strip_prefix("sprawl: warning: ")).collect();
     assert_eq!(rejected, warned);
-    let expected =
-        ["rejected.ron:4:5: settlements[1]: style `roman`", "rejected.ron:7:5: roads[0]: no settlement is at"];
+    let expected = [
+        "rejected.ron:4:5: settlements[1]: style `roman`",
+        "rejected.ron:8:5: way_points[1]: ",
+        "rejected.ron:11:5: roads[0]: no settlement is at",
+    ];
     assert_eq!(rejected.len(), expected.len(), "{rejected:?}");
     assert!(rejected.iter().zip(expected).all(|(r, e)| r.contains(e)), "{rejected:?}");
     let settlements = report["settlements"].as_array().expect("a list");

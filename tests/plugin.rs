@@ -2,10 +2,12 @@
 
 use bevy::prelude::*;
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::plugin::{ChunkDetail, SprawlWorld, WorldRejected};
+use bevy_sprawl::plugin::{ChunkDetail, SprawlEdits, SprawlWorld, WorldRejected};
 use bevy_sprawl::prelude::*;
+use bevy_sprawl::terrain::{Band, Holes, Raster, RasterTerrain, Terrain};
 use bevy_sprawl::world::World as Sprawled;
 use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -244,4 +246,117 @@ fn another_seed_replaces_the_world_under_the_player() {
     }
     assert_eq!(app.world().resource::<SprawlWorld>().revision(), 2);
     assert!(check_chunks(&mut app) >= 4);
+}
+
+/// The entities of all chunks that are there.
+fn entities(app: &mut App) -> BTreeMap<[i32; 2], Entity> {
+    let mut query = app.world_mut().query_filtered::<(Entity, &ChunkCoord), With<ChunkData>>();
+    query.iter(app.world()).map(|(e, c)| (c.0.to_array(), e)).collect()
+}
+
+#[test]
+fn a_saved_file_of_edits_makes_anew_what_depends_on_it_and_nothing_else() {
+    let root = folder("edits");
+    let file = root.join("wishes.edits.ron");
+    let save = |app: &App, text: &str| {
+        std::fs::write(&file, text).expect("written");
+        app.world().resource::<AssetServer>().reload("wishes.edits.ron");
+    };
+    std::fs::write(&file, "()").expect("written");
+    let file_path = root.to_string_lossy().into_owned();
+    let assets = AssetPlugin { file_path, watch_for_changes_override: Some(false), ..default() };
+    let mut app = app(SprawlPlugin::new(42).edits_from("wishes.edits.ron"), assets);
+    let refused: Arc<Mutex<Vec<AssetRejected>>> = Arc::default();
+    let rejected: Arc<Mutex<Vec<EditRejected>>> = Arc::default();
+    let remade: Arc<Mutex<BTreeSet<[i32; 2]>>> = Arc::default();
+    let (no, cannot, yes) = (refused.clone(), rejected.clone(), remade.clone());
+    app.add_observer(move |event: On<AssetRejected>| no.lock().expect("not poisoned").push(event.clone()));
+    app.add_observer(move |event: On<EditRejected>| cannot.lock().expect("not poisoned").push(event.clone()));
+    app.add_observer(move |event: On<ChunkReady>| {
+        if !event.first {
+            yes.lock().expect("not poisoned").insert(event.coord.0.to_array());
+        }
+    });
+    app.add_observer(|event: On<WorldRejected>| panic!("{}", event.error));
+    let wide = StreamAnchor { load_radius: 1_600.0, unload_radius: 2_000.0, detail_radius: 1.0, ..default() };
+    let player = app.world_mut().spawn(wide).id();
+    settle(&mut app);
+    let revision = |app: &App| app.world().resource::<SprawlWorld>().revision();
+    assert_eq!(revision(&app), 1);
+    let there = entities(&mut app);
+    assert!(there.len() >= 36, "{}", there.len());
+    remade.lock().expect("not poisoned").clear();
+
+    // A mistake is named, and nothing changes.
+    save(&app, "(\n settlements: [\n  Ban(at: (0, 0), radius: -5),\n ],\n)");
+    run_until(&mut app, "the file is refused", |_| !refused.lock().expect("not poisoned").is_empty());
+    let error = refused.lock().expect("not poisoned")[0].clone();
+    assert!(error.file.ends_with("wishes.edits.ron") && (error.line, error.column) == (3, 3), "{error:?}");
+    assert!(error.reason.contains("radius is -5"), "{error:?}");
+    settle(&mut app);
+    assert!(world(&app).edits().is_empty() && revision(&app) == 1);
+
+    // Edits far away make another world of the same chunks; one of them cannot be.
+    save(
+        &app,
+        "(\n settlements: [\n  Ban(at: (900000, 0), radius: 5000),\n ],\n roads: [\n  Ban(from: (1e9, 0), to: (0, 0)),\n ],\n)",
+    );
+    run_until(&mut app, "there is a new world", |app| revision(app) == 2);
+    run_until(&mut app, "the edits are looked at", |app| app.world().resource::<RejectedEdits>().revision == 2);
+    settle(&mut app);
+    let place = rejected.lock().expect("not poisoned")[0].place.clone().expect("it is in a file");
+    assert_eq!((place.line, place.column), (6, 3), "{place}");
+    assert_eq!(app.world().resource::<RejectedEdits>().edits.len(), 1);
+    assert!(remade.lock().expect("not poisoned").is_empty());
+    assert_eq!(entities(&mut app), there);
+    assert_eq!(check_chunks(&mut app), there.len());
+
+    // A village or town next to the player goes: chunks around it are made anew in their entities, others stay as they are.
+    let at = app.world().get::<Transform>(player).expect("it is there").translation;
+    let middle = app.world().resource::<SprawlOrigin>().to_plan(at);
+    let before = world(&app);
+    let shown = bevy_sprawl::space::Bounds::square(middle, 3_000.0);
+    let all = before.settlements().overlapping(shown).expect("settlements");
+    let small = all.iter().min_by(|a, b| a.radius.total_cmp(&b.radius)).expect("a settlement").centre.plan();
+    save(&app, &format!("(settlements: [Ban(at: ({:?}, {:?}), radius: 1)])", small.x, small.y));
+    run_until(&mut app, "there is a new world", |app| revision(app) == 3);
+    settle(&mut app);
+    assert_eq!(entities(&mut app), there);
+    assert_eq!(check_chunks(&mut app), there.len());
+    assert!(app.world().resource::<SprawlEdits>().file().is_some_and(|f| f.edits == *world(&app).edits()));
+    let remade = remade.lock().expect("not poisoned").clone();
+    let after = world(&app);
+    let chunk = |world: &Sprawled, c: &[i32; 2]| {
+        world.chunk(ChunkCoord::new(c[0], c[1]), &Cancel::new()).expect("it can be made")
+    };
+    let differs = |c: &&[i32; 2]| format!("{:?}", chunk(&before, c)) != format!("{:?}", chunk(&after, c));
+    let differing: BTreeSet<[i32; 2]> = there.keys().filter(differs).copied().collect();
+    assert!(!differing.is_empty() && differing.is_subset(&remade), "{differing:?} {remade:?}");
+    println!("{} chunks there, {} made anew, {} differ", there.len(), remade.len(), differing.len());
+}
+
+#[test]
+fn a_ground_of_ones_own_is_the_ground_and_can_be_replaced() {
+    let raster = |heights: &[u8]| {
+        let raster = Raster::from_ascii("own.asc", heights, Band::Height, Holes::Refuse).expect("a raster");
+        RasterTerrain::new(raster).expect("a terrain")
+    };
+    let low = b"ncols 3\nnrows 3\nxllcorner -30000\nyllcorner -30000\ncellsize 20000\n12 14 20\n30 8 11\n10 10 10\n";
+    let high = b"ncols 3\nnrows 3\nxllcorner -30000\nyllcorner -30000\ncellsize 20000\n112 114 120\n130 108 111\n110 110 110\n";
+    let mut app = app(SprawlPlugin::new(42).terrain(raster(low)), AssetPlugin::default());
+    app.world_mut().spawn(anchor());
+    settle(&mut app);
+    let expected = raster(low).height(DVec2::new(300.0, 200.0));
+    assert_eq!(world(&app).terrain().height(DVec2::new(300.0, 200.0)), expected);
+    assert!(check_chunks(&mut app) >= 4);
+    // The same again is no change; another ground is another world, everywhere.
+    let same = app.world().resource::<SprawlSource>().terrain.clone();
+    app.world_mut().resource_mut::<SprawlSource>().terrain = same;
+    settle(&mut app);
+    assert_eq!(app.world().resource::<SprawlWorld>().revision(), 1);
+    app.world_mut().resource_mut::<SprawlSource>().terrain = TerrainOrigin::own(raster(high));
+    run_until(&mut app, "there is a new world", |app| app.world().resource::<SprawlWorld>().revision() == 2);
+    settle(&mut app);
+    let mut query = app.world_mut().query::<&ChunkData>();
+    assert!(query.iter(app.world()).all(|c| c.ground.samples.iter().all(|s| s.height > 100.0)));
 }

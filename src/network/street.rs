@@ -28,6 +28,7 @@ impl StreetId {
 
 /// Class of a street, from the widest down: three of roads between settlements, two of main streets, and local.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum StreetClass {
     /// Road between cities (tau = 2).
     Highway,

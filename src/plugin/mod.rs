@@ -27,13 +27,14 @@ mod diagnostics;
 mod gizmos;
 mod origin;
 mod param;
+mod rejected;
 mod schedule;
 mod source;
 mod streaming;
 
 pub use anchor::{AnchorMotion, StreamAnchor};
 pub use appearance::{ChunkPart, SprawlMaterials};
-pub use assets::{AssetRejected, PatchSetLoader, SprawlFolder, StyleLoader};
+pub use assets::{AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader};
 pub use chunk::{ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
 pub use diagnostics::{
     DIAGNOSTIC_APPLY_MS, DIAGNOSTIC_CHUNKS_LOADED, DIAGNOSTIC_CHUNKS_MADE, DIAGNOSTIC_MAIN_THREAD_MS,
@@ -42,12 +43,14 @@ pub use diagnostics::{
 pub use gizmos::SprawlGizmos;
 pub use origin::{OriginSettings, OriginShifted, ShiftsWithOrigin, SprawlOrigin};
 pub use param::{SpawnPoint, Sprawl};
+pub use rejected::{EditRejected, RejectedEdits};
 pub use schedule::SprawlSystems;
-pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
+pub use source::{SprawlSource, SprawlWorld, TerrainOrigin, WorldChanged, WorldRejected};
 pub use streaming::StreamSettings;
 
 use crate::region::Edits;
 use crate::space::Seed;
+use crate::terrain::Terrain;
 use crate::world::{Settings, WorldAssets};
 use bevy::prelude::*;
 use glam::DVec2;
@@ -79,6 +82,11 @@ pub struct SprawlPlugin {
     pub assets: AssetOrigin,
     /// Wishes for settlements and roads.
     pub edits: Edits,
+    /// A file of Bevy's asset server that the wishes come from instead. A saved file is loaded again as those of
+    /// [`AssetOrigin::Folder`] are; one with a mistake is refused ([`AssetRejected`]), and the last good one stays.
+    pub edits_file: Option<String>,
+    /// The ground.
+    pub terrain: TerrainOrigin,
     /// Plan point (x east, y north, metres) that Bevy's origin starts near; it is rounded to a chunk's corner.
     pub start: DVec2,
 }
@@ -104,6 +112,41 @@ impl SprawlPlugin {
         Self { edits, ..self }
     }
 
+    /// The same with wishes for settlements and roads from a file of Bevy's asset server, whose changes are followed while
+    /// the game runs: `edits_from("my.edits.ron")`.
+    pub fn edits_from(self, file: impl Into<String>) -> Self {
+        Self { edits_file: Some(file.into()), ..self }
+    }
+
+    /// The same on a ground of your own; [`Settings::terrain`] is not used.
+    ///
+    /// ```
+    /// use bevy_sprawl::prelude::*;
+    /// use bevy_sprawl::terrain::{Terrain, TerrainSample};
+    ///
+    /// struct Dunes;
+    ///
+    /// impl Terrain for Dunes {
+    ///     fn sample(&self, p: glam::DVec2) -> TerrainSample {
+    ///         let height = 20.0 + 8.0 * libm::sin(p.x / 900.0) * libm::sin(p.y / 700.0);
+    ///         TerrainSample { height, water_level: 0.0, vegetation: 0.1 }
+    ///     }
+    /// }
+    ///
+    /// let plugin = SprawlPlugin::new(7).terrain(Dunes);
+    /// # let mut app = bevy::prelude::App::new();
+    /// # app.add_plugins((bevy::prelude::MinimalPlugins, bevy::prelude::AssetPlugin::default(), plugin));
+    /// # let made = app.world().resource::<bevy_sprawl::plugin::SprawlWorld>().get().unwrap();
+    /// # assert_eq!(made.terrain().height(glam::DVec2::ZERO), 20.0);
+    /// // While the game runs:
+    /// fn flood(mut source: bevy::prelude::ResMut<SprawlSource>) {
+    ///     source.terrain = TerrainOrigin::own(Dunes);
+    /// }
+    /// ```
+    pub fn terrain(self, terrain: impl Terrain) -> Self {
+        Self { terrain: TerrainOrigin::own(terrain), ..self }
+    }
+
     /// The same with Bevy's origin near a plan point.
     pub fn starting_at(self, start: DVec2) -> Self {
         Self { start, ..self }
@@ -117,8 +160,8 @@ impl Plugin for SprawlPlugin {
             AssetOrigin::Given(assets) => (assets.clone(), None),
             AssetOrigin::Folder(folder) => (WorldAssets::bundled(), Some(folder.clone())),
         };
-        let (settings, edits) = (self.settings.clone(), self.edits.clone());
-        app.insert_resource(SprawlSource { seed: self.seed, settings, assets, edits })
+        let (settings, edits, terrain) = (self.settings.clone(), self.edits.clone(), self.terrain.clone());
+        app.insert_resource(SprawlSource { seed: self.seed, settings, assets, edits, terrain })
             .insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size))
             .insert_resource(self.streaming.clone())
             .add_plugins((
@@ -128,8 +171,9 @@ impl Plugin for SprawlPlugin {
                 origin::OriginPlugin,
                 streaming::StreamingPlugin,
                 appearance::AppearancePlugin,
-                source::SourcePlugin { wait_for_assets: folder.is_some() },
-                assets::AssetsPlugin { folder },
+                source::SourcePlugin { hold_assets: folder.is_some(), hold_edits: self.edits_file.is_some() },
+                rejected::RejectedPlugin,
+                assets::AssetsPlugin { folder, edits: self.edits_file.clone() },
                 diagnostics::DiagnosticsPlugin,
                 gizmos::GizmosPlugin,
             ));

@@ -5,10 +5,11 @@ use super::streaming::{Dirty, Streaming};
 use crate::layer::{Cancel, LayerError};
 use crate::region::{Edits, Settlement};
 use crate::space::{Bounds, ChunkCoord, Seed};
+use crate::terrain::Terrain;
 use crate::world::{Settings, World, WorldAssets, WorldError};
 use bevy::prelude::{
     App, Commands, DetectChanges, Event, IntoScheduleConfigs, Message, MessageWriter, Plugin, PostUpdate, Res, ResMut,
-    Resource, error, warn,
+    Resource, error,
 };
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,14 +25,61 @@ pub struct SprawlSource {
     pub settings: Settings,
     /// Styles and patch sets.
     pub assets: WorldAssets,
-    /// Wishes for settlements and roads. Those that the world cannot fulfil are logged; it goes on without them.
+    /// Wishes for settlements and roads. The world goes on without those that it cannot fulfil:
+    /// [`EditRejected`](super::EditRejected).
     pub edits: Edits,
+    /// The ground.
+    pub terrain: TerrainOrigin,
+}
+
+impl SprawlSource {
+    fn make(&self) -> Result<World, WorldError> {
+        let (settings, assets, edits) = (self.settings.clone(), self.assets.clone(), self.edits.clone());
+        match &self.terrain {
+            TerrainOrigin::Noise => World::with_edits(self.seed, settings, assets, edits),
+            TerrainOrigin::Own(own) => World::on_terrain_with_edits(self.seed, settings, assets, own.clone(), edits),
+        }
+    }
+}
+
+/// The ground of a world. Two of your own are the same if they share the `Arc`.
+#[derive(Clone, Default)]
+pub enum TerrainOrigin {
+    /// That of the seed and the settings.
+    #[default]
+    Noise,
+    /// Your own.
+    Own(Arc<dyn Terrain>),
+}
+
+impl TerrainOrigin {
+    /// A ground of your own.
+    pub fn own(terrain: impl Terrain) -> Self {
+        Self::Own(Arc::new(terrain))
+    }
+}
+
+impl PartialEq for TerrainOrigin {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Noise, Self::Noise) => true,
+            (Self::Own(a), Self::Own(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+impl std::fmt::Debug for TerrainOrigin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if matches!(self, Self::Noise) { "Noise" } else { "Own" })
+    }
 }
 
 /// The world that is streamed.
 #[derive(Resource, Default)]
 pub struct SprawlWorld {
     world: Option<World>,
+    terrain: TerrainOrigin,
     revision: u32,
 }
 
@@ -41,7 +89,7 @@ impl SprawlWorld {
         self.world.as_ref()
     }
 
-    /// Number of worlds so far: it grows when assets, settings or seed have changed.
+    /// Number of worlds so far: it grows when anything in the [`SprawlSource`] has changed.
     pub fn revision(&self) -> u32 {
         self.revision
     }
@@ -63,27 +111,30 @@ pub struct WorldRejected {
 
 pub(super) struct SourcePlugin {
     /// Whether the first world waits until assets have been loaded from a folder.
-    pub wait_for_assets: bool,
+    pub hold_assets: bool,
+    /// Whether it waits until edits have been loaded from a file.
+    pub hold_edits: bool,
 }
 
 impl Plugin for SourcePlugin {
     fn build(&self, app: &mut App) {
+        let (hold_assets, hold_edits) = (self.hold_assets, self.hold_edits);
         app.register_type::<Settings>()
+            .register_type::<Edits>()
             .init_resource::<SprawlWorld>()
-            .insert_resource(Making { hold: self.wait_for_assets, task: None, wanted: false })
+            .insert_resource(Making { hold_assets, hold_edits, task: None, wanted: false })
             .add_message::<WorldChanged>()
             .add_message::<WorldRejected>()
             .add_systems(PostUpdate, (start_making, finish_making).chain().in_set(SprawlSystems::World));
-        if self.wait_for_assets {
+        if hold_assets || hold_edits {
             return;
         }
         // The first world is made at once, so that systems in `Startup` can ask it where to put the player.
         let source = app.world().resource::<SprawlSource>().clone();
-        match World::with_edits(source.seed, source.settings, source.assets, source.edits) {
+        match source.make() {
             Ok(made) => {
-                tell_rejected(made.clone());
                 app.world_mut().resource_mut::<Streaming>().replace(&made, Dirty::All);
-                app.insert_resource(SprawlWorld { world: Some(made), revision: 1 });
+                app.insert_resource(SprawlWorld { world: Some(made), terrain: source.terrain, revision: 1 });
                 app.world_mut().write_message(WorldChanged { revision: 1 });
             }
             Err(error) => {
@@ -98,9 +149,18 @@ impl Plugin for SourcePlugin {
 #[derive(Resource)]
 pub(super) struct Making {
     /// Nothing is made while this is set.
-    pub hold: bool,
-    task: Option<Task<Result<(World, Dirty), WorldError>>>,
+    pub hold_assets: bool,
+    /// Nothing is made while this is set.
+    pub hold_edits: bool,
+    task: Option<Task<Result<Made, WorldError>>>,
     wanted: bool,
+}
+
+/// The next world, what it stands on, and what of the last one it replaces.
+struct Made {
+    world: World,
+    terrain: TerrainOrigin,
+    dirty: Dirty,
 }
 
 /// Several changes while a world is being made lead to one more world after it.
@@ -111,29 +171,32 @@ pub(super) fn start_making(
     mut making: ResMut<Making>,
 ) {
     making.wanted |= source.is_changed();
-    if !making.wanted || making.hold || making.task.is_some() {
+    if !making.wanted || making.hold_assets || making.hold_edits || making.task.is_some() {
         return;
     }
     making.wanted = false;
     let source = source.clone();
-    let old = current.world.clone();
-    if old.as_ref().is_some_and(|old| matches!(difference(old, &source), Difference::None)) {
+    let old = current.world.clone().filter(|_| current.terrain == source.terrain);
+    let change = old.as_ref().map_or(Difference::All, |old| difference(old, &source));
+    if change == Difference::None {
         return;
     }
     let loaded = streaming.settlements();
     making.task = Some(AsyncComputeTaskPool::get().spawn(async move {
-        let change = old.map_or(Difference::All, |old| difference(&old, &source));
-        let made = World::with_edits(source.seed, source.settings, source.assets, source.edits)?;
-        let dirty = match change {
-            Difference::All => Dirty::All,
-            Difference::Styles(styles) => touched(&made, &styles, loaded),
-            Difference::None => Dirty::Chunks(BTreeSet::new()),
+        let world = source.make()?;
+        let dirty = match (change, old) {
+            // Where the new world cannot be compared, nothing is known to be the same.
+            (Difference::Some { styles, edits }, Some(old)) => {
+                let before = if edits { Some(&old) } else { None };
+                same(&world, before, &styles, loaded).map_or(Dirty::All, Dirty::AllBut)
+            }
+            _ => Dirty::All,
         };
-        Ok((made, dirty))
+        Ok(Made { world, terrain: source.terrain, dirty })
     }));
 }
 
-fn finish_making(
+pub(super) fn finish_making(
     mut commands: Commands,
     mut making: ResMut<Making>,
     mut current: ResMut<SprawlWorld>,
@@ -144,17 +207,16 @@ fn finish_making(
     let Some(result) = making.task.as_mut().and_then(check_ready) else { return };
     making.task = None;
     match result {
-        Ok((made, dirty)) => {
-            tell_rejected(made.clone());
-            streaming.replace(&made, dirty);
-            current.world = Some(made);
+        Ok(Made { world, terrain, dirty }) => {
+            streaming.replace(&world, dirty);
+            (current.world, current.terrain) = (Some(world), terrain);
             current.revision += 1;
             let event = WorldChanged { revision: current.revision };
             changed.write(event);
             commands.trigger(event);
         }
         Err(error) => {
-            error!("the changed assets or settings make no world, the last one stays: {error}");
+            error!("what the world is made from has changed and makes none, the last one stays: {error}");
             let event = WorldRejected { error };
             rejected.write(event.clone());
             commands.trigger(event);
@@ -162,32 +224,22 @@ fn finish_making(
     }
 }
 
-/// Logs the edits that a world cannot fulfil, in the background: it takes the roads that they are about.
-fn tell_rejected(world: World) {
-    if *world.edits() == Edits::default() {
-        return;
-    }
-    let tell = async move {
-        for edit in world.rejected_edits(&Cancel::new()).unwrap_or_default() {
-            warn!("{edit}");
-        }
-    };
-    if let Some(pool) = AsyncComputeTaskPool::try_get() {
-        pool.spawn(tell).detach();
-    }
-}
-
 /// What differs between a world and what the next one is to be made from.
 #[derive(Debug, PartialEq)]
 enum Difference {
     None,
-    /// The styles with these names, or patch sets that they use.
-    Styles(BTreeSet<String>),
+    Some {
+        /// The styles with these names, or patch sets that they use.
+        styles: BTreeSet<String>,
+        /// Whether the edits differ.
+        edits: bool,
+    },
     All,
 }
 
+/// What differs, between worlds on the same terrain.
 fn difference(old: &World, new: &SprawlSource) -> Difference {
-    if old.seed() != new.seed || *old.settings() != new.settings || *old.edits() != new.edits {
+    if old.seed() != new.seed || *old.settings() != new.settings {
         return Difference::All;
     }
     let (before, after) = (old.assets(), &new.assets);
@@ -202,7 +254,8 @@ fn difference(old: &World, new: &SprawlSource) -> Difference {
     styles.extend(
         after.styles.iter().filter(|(_, s)| s.patch_sets.iter().any(|p| sets.contains(p))).map(|(n, _)| n.clone()),
     );
-    if styles.is_empty() && sets.is_empty() { Difference::None } else { Difference::Styles(styles) }
+    let edits = *old.edits() != new.edits;
+    if styles.is_empty() && sets.is_empty() && !edits { Difference::None } else { Difference::Some { styles, edits } }
 }
 
 /// Names whose value is not the same in both maps.
@@ -213,9 +266,15 @@ fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Ar
     names.filter(differs).cloned().collect()
 }
 
-/// The loaded chunks that show a settlement of one of the styles, or one that touches such a settlement: a main street
-/// that two towns share has ports from the styles of both.
-fn touched(world: &World, styles: &BTreeSet<String>, loaded: Vec<(ChunkCoord, Vec<Arc<Settlement>>)>) -> Dirty {
+/// The loaded chunks that are the same in the next world: those that show no settlement of one of the styles and none that
+/// touches such a settlement, since a main street that two towns share has ports from the styles of both; and, where edits
+/// differ, those that do not depend on them.
+fn same(
+    world: &World,
+    before: Option<&World>,
+    styles: &BTreeSet<String>,
+    loaded: Vec<(ChunkCoord, Vec<Arc<Settlement>>)>,
+) -> Result<BTreeSet<ChunkCoord>, LayerError> {
     let mut known: BTreeMap<_, bool> = BTreeMap::new();
     let mut is_touched = |settlement: &Settlement| -> Result<bool, LayerError> {
         if let Some(known) = known.get(&settlement.id) {
@@ -227,19 +286,21 @@ fn touched(world: &World, styles: &BTreeSet<String>, loaded: Vec<(ChunkCoord, Ve
         known.insert(settlement.id, touched);
         Ok(touched)
     };
-    let mut dirty = BTreeSet::new();
+    let mut out = BTreeSet::new();
     for (coord, settlements) in loaded {
-        for settlement in settlements {
-            match is_touched(&settlement) {
-                Ok(false) => {}
-                Ok(true) => {
-                    dirty.insert(coord);
-                }
-                Err(_) => return Dirty::All,
-            }
+        let mut touched = false;
+        for settlement in settlements.iter().filter(|_| !styles.is_empty()) {
+            touched = touched || is_touched(settlement)?;
+        }
+        if !touched {
+            out.insert(coord);
         }
     }
-    Dirty::Chunks(dirty)
+    if let Some(before) = before {
+        let changed = world.changed_chunks(before, out.iter().copied(), &Cancel::new())?;
+        out.retain(|coord| !changed.contains(coord));
+    }
+    Ok(out)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ pub mod road;
 pub mod settlement;
 
 pub use border::Border;
-pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape};
+pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{

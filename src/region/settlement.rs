@@ -42,6 +42,7 @@ pub struct SettlementId(pub u64);
 
 /// Size class sigma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum SizeClass {
     /// sigma 0
     Village,
@@ -431,10 +432,15 @@ impl Settlements {
 
     /// A distance at which no settlements of these radii conflict.
     fn apart(&self, a: f64, b: f64) -> f64 {
-        // `power_line(d, own, other) >= k` holds from d = 2 k + other on.
-        let room = |own: f64, other: f64| 2.0 * (keep(own) + BORDER) + other;
-        (self.settings.clearance * (a + b) + self.settings.gap).max(room(a, b)).max(room(b, a))
+        apart(&self.settings, a, b)
     }
+}
+
+/// A distance at which no settlements of two radii conflict.
+fn apart(settings: &SettlementSettings, a: f64, b: f64) -> f64 {
+    // `power_line(d, own, other) >= k` holds from d = 2 k + other on.
+    let room = |own: f64, other: f64| 2.0 * (keep(own) + BORDER) + other;
+    (settings.clearance * (a + b) + settings.gap).max(room(a, b)).max(room(b, a))
 }
 
 /// Metres from its centre that a settlement of a radius keeps for itself.

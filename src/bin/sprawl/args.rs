@@ -171,6 +171,10 @@ pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
     #[arg(long, value_name = "A..B", value_parser = seed_range)]
     pub seeds: Range<u64>,
+    /// Check each world with edits of every kind around its city, drawn from its seed; way points and pinned settlements are
+    /// checked, too
+    #[arg(long, conflicts_with = "edits")]
+    pub edits_random: bool,
 }
 
 #[derive(Args)]

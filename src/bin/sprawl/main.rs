@@ -2,6 +2,7 @@
 
 mod args;
 mod digest;
+mod drawn;
 mod fail;
 mod map;
 mod patches;

@@ -4,8 +4,10 @@ use crate::args::{Common, SettlementsArgs};
 use crate::fail::Fail;
 use crate::work;
 use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::region::Settlement;
 use serde_json::json;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Runs the command: settlements centred in the square, and connections with an end in it.
 pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
@@ -13,8 +15,10 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
     let bounds = work::square(&world, &args.at, args.size)?;
     let settlements = world.settlements().centred_in(bounds)?;
     let links = world.roads().links(bounds, &Cancel::new())?;
+    let mut way_points = world.roads().way_points().to_vec();
+    way_points.retain(|p| bounds.contains(p.centre.plan()));
     let hex = |id: u64| format!("{id:016x}");
-    let report = json!({
+    let mut report = json!({
         "settlements": settlements.iter().map(|s| {
             let at = s.centre.plan();
             json!({
@@ -27,6 +31,13 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
             "length_m": l.length_m, "cost": l.cost, "bridges": l.bridges, "tunnels": l.tunnels,
         })).collect::<Vec<_>>(),
     });
+    if !world.edits().way_points.is_empty() {
+        let point = |p: &Arc<Settlement>| {
+            let (at, junction) = (p.centre.plan(), world.roads().way_point_junction(p.id));
+            json!({ "id": hex(p.id.0), "x": at.x, "y": at.y, "sigma": p.size as u8, "junction": hex(junction.0) })
+        };
+        report["way_points"] = way_points.iter().map(point).collect();
+    }
     let mut people = String::new();
     let mut order: Vec<_> = settlements.iter().collect();
     order.sort_by(|a, b| b.size.cmp(&a.size).then_with(|| a.name.cmp(&b.name)).then(a.id.cmp(&b.id)));
@@ -36,8 +47,13 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
         // Writing to a string cannot fail.
         let _ = writeln!(people, "{size:8}{:18} at {},{}  radius {:.0} m  {}", s.name, at.x, at.y, s.radius, s.style);
     }
-    let name =
-        |id| settlements.iter().find(|s| s.id == id).map_or_else(|| format!("{:016x}", id.0), |s| s.name.clone());
+    let name = |id| {
+        settlements
+            .iter()
+            .chain(&way_points)
+            .find(|s| s.id == id)
+            .map_or_else(|| format!("{:016x}", id.0), |s| s.name.clone())
+    };
     for l in &links {
         let ends = format!("{} - {}", name(l.from), name(l.to));
         let _ = write!(people, "{:8}{ends:34} {:.1} km", l.class.name(), l.length_m / 1000.0);

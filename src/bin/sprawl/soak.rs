@@ -2,20 +2,25 @@
 //! promises.
 
 use crate::args::{Common, SoakArgs};
+use crate::drawn;
 use crate::fail::Fail;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
+use bevy_sprawl::network::JunctionId;
 use bevy_sprawl::region::{Settlement, SizeClass};
 use bevy_sprawl::space::{Bounds, Seed};
-use bevy_sprawl::world::{World, audit, unreached_gates};
+use bevy_sprawl::world::{Area, SettlementEdit, World, audit, unreached_gates};
 use glam::DVec2;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// A city is looked for in a square of this edge, in metres, around the origin.
 const SEARCH: f64 = 100_000.0;
 /// What is checked around a city beyond its radius, in metres.
 const MARGIN: f64 = 250.0;
+/// Edge of the square that is checked around a way point, in metres.
+const AROUND: f64 = 3_000.0;
 
 /// Runs the command. Findings make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
@@ -23,9 +28,18 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().collect();
     let cities = work::each(common, "checking cities", &seeds, |seed| {
-        let world = World::with_edits(Seed(*seed), settings.clone(), assets.clone(), world.edits().clone());
+        let with = |edits| World::with_edits(Seed(*seed), settings.clone(), assets.clone(), edits);
         // The settings and assets are those of a world that was made already.
-        world.map_or(Ok(City::default()), |world| check(&world))
+        let Ok(world) = with(world.edits().clone()) else { return Ok(City::default()) };
+        let Some(city) = nearest(&world)? else { return Ok(City::default()) };
+        if !args.edits_random {
+            return check(&world, &city);
+        }
+        let Ok(edited) = with(drawn::edits(&world, &city, &Cancel::new())?) else {
+            let findings = vec![("WrongEdits".to_owned(), city.centre.plan())];
+            return Ok(City { findings, ..City::default() });
+        };
+        check_edited(&edited)
     })?;
     let (mut findings, mut people) = (Vec::new(), String::new());
     for (seed, city) in seeds.iter().zip(&cities) {
@@ -37,10 +51,21 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     }
     let sum = |of: fn(&City) -> usize| cities.iter().map(of).sum::<usize>();
     let found = cities.iter().filter(|c| c.streets > 0).count();
-    let report: Value = json!({
+    let mut report: Value = json!({
         "seeds": seeds.len(), "cities": found, "streets": sum(|c| c.streets), "buildings": sum(|c| c.buildings),
         "findings": findings,
     });
+    if args.edits_random {
+        let of = |roads: usize| cities.iter().flat_map(|c| &c.way_points).filter(|n| **n == roads).count();
+        let roads: serde_json::Map<String, Value> =
+            (0..=12).map(|n| (n.to_string(), of(n).into())).filter(|(_, n)| *n != 0).collect();
+        let (edits, rejected) = (sum(|c| c.edits), sum(|c| c.rejected));
+        let _ =
+            writeln!(people, "{edits} edits, {rejected} rejected; way points by roads: {}", Value::from(roads.clone()));
+        report["edits"] = edits.into();
+        report["rejected"] = rejected.into();
+        report["way_points_by_roads"] = roads.into();
+    }
     let (streets, buildings) = (&report["streets"], &report["buildings"]);
     let _ = writeln!(people, "{found} cities, {streets} streets, {buildings} buildings: {} findings", findings.len());
     work::print(common, &report, &people)?;
@@ -54,26 +79,83 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
 struct City {
     streets: usize,
     buildings: usize,
+    /// Edits, and how many of them cannot be.
+    edits: usize,
+    rejected: usize,
+    /// Roads at each way point.
+    way_points: Vec<usize>,
     findings: Vec<(String, DVec2)>,
 }
 
-/// Checks the city nearest to the origin.
-fn check(world: &World) -> Result<City, LayerError> {
-    let cancel = Cancel::new();
+/// The city nearest to the origin.
+fn nearest(world: &World) -> Result<Option<Arc<Settlement>>, LayerError> {
     let cities = world.settlements().centred_in_of(Bounds::square(DVec2::ZERO, SEARCH), SizeClass::City)?;
-    let distance = |p: DVec2| p.length();
-    let nearest = cities.iter().min_by(|a, b| distance(a.centre.plan()).total_cmp(&distance(b.centre.plan())));
-    let Some(city) = nearest else { return Ok(City::default()) };
+    let distance = |s: &Arc<Settlement>| s.centre.plan().length();
+    Ok(cities.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))))
+}
+
+/// Checks a world with drawn edits: the city nearest to the origin, what was pinned, and what lies around way points.
+fn check_edited(world: &World) -> Result<City, LayerError> {
+    let cancel = Cancel::new();
+    let mut out = match nearest(world)? {
+        Some(city) => check(world, &city)?,
+        None => City::default(),
+    };
+    let edits = world.edits();
+    let rejected = world.rejected_edits(&cancel)?;
+    out.edits = edits.settlements.len() + edits.influences.len() + edits.way_points.len() + edits.roads.len();
+    out.rejected = rejected.len();
+    for edit in &edits.settlements {
+        if let SettlementEdit::Pin { at, .. } = edit
+            && let Some(pinned) = world.settlements().at(*at)?
+        {
+            let City { streets, buildings, findings, .. } = check(world, &pinned)?;
+            out.streets += streets;
+            out.buildings += buildings;
+            out.findings.extend(findings);
+        }
+    }
+    for point in world.roads().way_points() {
+        let at = point.centre.plan();
+        let area = world.area(Bounds::square(at, AROUND), &cancel)?;
+        out.findings.extend(findings(&area));
+        let junction = world.roads().way_point_junction(point.id);
+        let place = area.junctions.iter().find(|j| j.it.id == junction).map(|j| area.origin.to_plan(j.it.at));
+        let roads = roads_at(&area, junction);
+        let refused = rejected.iter().any(|e| e.reason.contains(&point.name));
+        if place != Some(at) && !refused {
+            out.findings.push(("MissedWayPoint".to_owned(), at));
+        }
+        out.way_points.push(roads);
+    }
+    out.findings.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
+    out.findings.dedup();
+    Ok(out)
+}
+
+/// Ends of roads at a junction.
+fn roads_at(area: &Area, junction: JunctionId) -> usize {
+    let ends = area.streets.iter().flat_map(|s| [s.it.street.from, s.it.street.to]);
+    ends.filter(|id| *id == junction).count()
+}
+
+fn findings(area: &Area) -> Vec<(String, DVec2)> {
+    audit(area).into_iter().map(|f| (format!("{:?}", f.what), f.at)).collect()
+}
+
+/// Checks a city with the settlements that it touches.
+fn check(world: &World, city: &Arc<Settlement>) -> Result<City, LayerError> {
+    let cancel = Cancel::new();
     let around = |s: &Settlement| Bounds::square(s.centre.plan(), 2.0 * (s.radius + MARGIN));
     let mut checked = vec![city.clone()];
     checked.extend(world.settlements().touching(city)?);
     let bounds = checked.iter().fold(Bounds::EMPTY, |all, s| all.union(around(s)));
     let area = world.area(bounds, &cancel)?;
-    let mut findings: Vec<_> = audit(&area).into_iter().map(|f| (format!("{:?}", f.what), f.at)).collect();
+    let mut findings = findings(&area);
     for settlement in &checked {
         let outline = world.settlements().outline(settlement)?;
         let gates = unreached_gates(&area, outline.origin, &outline.polygon);
         findings.extend(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))));
     }
-    Ok(City { streets: area.streets.len(), buildings: area.footprints.len(), findings })
+    Ok(City { streets: area.streets.len(), buildings: area.footprints.len(), findings, ..City::default() })
 }

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A style or patch set was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's
+/// A style, a patch set or a file of edits was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's
 /// asset server logs the same.
 #[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
 pub struct AssetRejected {
@@ -112,7 +112,7 @@ pub(super) fn list_files(
         Err(error) => {
             folder.unlisted = Some(error.clone());
             error!("{error}; the bundled styles and patch sets are used");
-            reject(&mut commands, &mut rejected, error);
+            tell(&mut commands, &mut rejected, error);
         }
     }
 }
@@ -193,16 +193,25 @@ pub(super) fn take_failed(
     let styles = styles.read().map(|e| (&e.path, &e.error));
     for (path, error) in styles.chain(patch_sets.read().map(|e| (&e.path, &e.error))) {
         folder.waiting.remove(&path.to_string());
-        let known = match error {
-            AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
-            _ => None,
-        };
-        let error = known.unwrap_or_else(|| FileError::unreadable(path.to_string(), error));
-        reject(&mut commands, &mut rejected, error);
+        reject(&mut commands, &mut rejected, path, error);
     }
 }
 
-fn reject(commands: &mut Commands, rejected: &mut MessageWriter<AssetRejected>, error: FileError) {
+/// Tells of a file that could not be loaded.
+pub(super) fn reject(
+    commands: &mut Commands,
+    rejected: &mut MessageWriter<AssetRejected>,
+    path: &AssetPath,
+    error: &AssetLoadError,
+) {
+    let known = match error {
+        AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
+        _ => None,
+    };
+    tell(commands, rejected, known.unwrap_or_else(|| FileError::unreadable(path.to_string(), error)));
+}
+
+fn tell(commands: &mut Commands, rejected: &mut MessageWriter<AssetRejected>, error: FileError) {
     let FileError { file, line, column, reason } = error;
     let event = AssetRejected { file, line, column, reason };
     rejected.write(event.clone());
@@ -221,7 +230,7 @@ pub(super) fn hand_over(
         return;
     }
     folder.changed = false;
-    making.hold = false;
+    making.hold_assets = false;
     let mut assets = folder.bundled.clone();
     for (file, handle) in &folder.styles {
         put(&mut assets.styles, file, styles.get(handle), &source.assets.styles);

@@ -77,7 +77,7 @@ impl AssetLoader for PatchSetLoader {
 }
 
 /// Name and text of the file.
-async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> Result<(String, String), FileError> {
+pub(super) async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> Result<(String, String), FileError> {
     let file = context.path().to_string();
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).await.map_err(|e| FileError::unreadable(&*file, e))?;

@@ -1,8 +1,10 @@
-//! Styles and patch sets as Bevy assets, loaded from a folder and reloaded when a file changes.
+//! Styles, patch sets and edits as Bevy assets, loaded from a folder and a file and reloaded when a file changes.
 
+mod edits;
 mod folder;
 mod loader;
 
+pub use edits::{EditsFile, EditsLoader, SprawlEdits};
 pub use folder::{AssetRejected, SprawlFolder};
 pub use loader::{PatchSetLoader, StyleLoader};
 
@@ -14,24 +16,40 @@ use bevy::prelude::*;
 pub(super) struct AssetsPlugin {
     /// Folder of the asset server that styles and patch sets are loaded from.
     pub folder: Option<String>,
+    /// File of the asset server that edits are loaded from.
+    pub edits: Option<String>,
 }
 
 impl Plugin for AssetsPlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<AssetRejected>();
         if !app.world().contains_resource::<AssetServer>() {
-            if self.folder.is_some() {
+            if self.folder.is_some() || self.edits.is_some() {
                 error!(
-                    "SprawlPlugin loads assets from a folder, so it must be added after AssetPlugin; the bundled are used"
+                    "SprawlPlugin loads assets from a folder or edits from a file, so it must be added after \
+                     AssetPlugin; the bundled assets are used, and no edits"
                 );
-                app.world_mut().resource_mut::<super::source::Making>().hold = false;
+                let mut making = app.world_mut().resource_mut::<super::source::Making>();
+                (making.hold_assets, making.hold_edits) = (false, false);
             }
             return;
         }
         app.init_asset::<Style>()
             .init_asset::<PatchSet>()
             .register_asset_loader(StyleLoader)
-            .register_asset_loader(PatchSetLoader);
+            .init_asset::<EditsFile>()
+            .register_asset_loader(PatchSetLoader)
+            .register_asset_loader(EditsLoader);
+        if let Some(file) = &self.edits {
+            let handle = app.world().resource::<AssetServer>().load(file.clone());
+            app.insert_resource(SprawlEdits::new(handle)).add_systems(
+                PostUpdate,
+                (edits::take_edits, edits::refuse_edits)
+                    .chain()
+                    .in_set(SprawlSystems::World)
+                    .before(super::source::start_making),
+            );
+        }
         if let Some(folder) = &self.folder {
             app.insert_resource(SprawlFolder::new(folder)).add_systems(
                 PostUpdate,

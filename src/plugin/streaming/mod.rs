@@ -57,7 +57,8 @@ impl Default for StreamSettings {
 #[derive(Debug)]
 pub(super) enum Dirty {
     All,
-    Chunks(BTreeSet<ChunkCoord>),
+    /// All chunks but those that are known to be the same.
+    AllBut(BTreeSet<ChunkCoord>),
 }
 
 /// Everything that streaming remembers.
@@ -114,7 +115,7 @@ impl Streaming {
             slot.failed = false;
             slot.stale |= match &dirty {
                 Dirty::All => true,
-                Dirty::Chunks(chunks) => chunks.contains(coord),
+                Dirty::AllBut(chunks) => !chunks.contains(coord),
             };
         }
     }

@@ -92,6 +92,7 @@ fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
             settings: Settings::default(),
             assets: WorldAssets::default(),
             edits: Default::default(),
+            terrain: Default::default(),
         })
         .insert_resource(SprawlOrigin::default())
         .init_resource::<StreamSettings>()
@@ -287,7 +288,8 @@ fn in_a_new_world_only_what_differs_is_made_anew_and_the_old_stays_until_then() 
         query.iter(app.world()).filter(|(_, c)| c.parent() == before[&changed].0).map(|(e, _)| e).collect::<Vec<_>>()
     };
     let old = part(&mut app);
-    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::Chunks(BTreeSet::from([changed])));
+    let same: BTreeSet<ChunkCoord> = before.keys().copied().filter(|c| *c != changed).collect();
+    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::AllBut(same));
     let mut frames = 0;
     while next.made.load(Ordering::Relaxed) == 0 {
         assert_eq!(part(&mut app), old);

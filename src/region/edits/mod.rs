@@ -38,6 +38,9 @@ const MOST_VIA: usize = 32;
 ///     influences: [
 ///         (shape: Area([(0, 0), (4000, 0), (4000, 3000)]), radius: 600, strength: 4),
 ///     ],
+///     way_points: [
+///         (at: (5200, 900), class: Major),
+///     ],
 ///     roads: [
 ///         Keep(from: (1200, -300), to: (9000, 400)),
 ///     ],
@@ -46,12 +49,15 @@ const MOST_VIA: usize = 32;
 /// # Ok::<(), bevy_sprawl::layer::FileError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct Edits {
     /// Settlements pinned, moved and banned.
     pub settlements: Vec<SettlementEdit>,
     /// What draws roads near or drives them off.
     pub influences: Vec<Influence>,
+    /// Nodes of the network of roads.
+    pub way_points: Vec<WayPoint>,
     /// Roads kept, led and banned.
     pub roads: Vec<RoadEdit>,
 }
@@ -60,6 +66,7 @@ pub struct Edits {
 /// place. So an edit reaches as far as settlements must keep apart: `clearance` times both radii and `gap`, or twice what
 /// the larger keeps for itself; outlines, and the towns in them, change where a neighbour did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub enum SettlementEdit {
     /// A settlement of its own. Its id is a hash of its place.
@@ -103,6 +110,7 @@ pub enum SettlementEdit {
 /// pairs of theirs and of their neighbours the proximity rule keeps, and roads of lower classes that ran along or beside
 /// these. Where a road becomes too dear for the greatest detour of its class, it is not built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub struct Influence {
     /// Where.
@@ -118,6 +126,7 @@ pub struct Influence {
 
 /// The shape of an influence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum Shape {
     /// One point.
     Point(DVec2),
@@ -128,8 +137,28 @@ pub enum Shape {
     Area(Vec<DVec2>),
 }
 
-/// A wish for the road between two settlements, each named by a point in its circle.
+/// A persistent way point (Galin 2011, section 4.3): a junction that roads of a class and of lower ones lead to and pass. To the
+/// proximity rule it is one more settlement, of the size that the class belongs to and without an extent; a town's roads to it
+/// are major, a village's minor.
+///
+/// It stands where land is even enough for a road, 4 steps of the roads' lattice (512 m) or more from outlines and from other
+/// way points. It changes the roads of the class and of lower ones that the proximity rule weighs it against, as a settlement
+/// of that size would: those with both ends within the `reach` of their class from it. Where one road alone finds its way there,
+/// it ends there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[serde(deny_unknown_fields)]
+pub struct WayPoint {
+    /// Where, rounded to whole metres.
+    pub at: DVec2,
+    /// Highest class of roads that pass: highway, major or minor.
+    pub class: StreetClass,
+}
+
+/// A wish for the road between two settlements, each named by a point in its circle, or for that to a way point, named by a
+/// point within 100 m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(deny_unknown_fields)]
 pub enum RoadEdit {
     /// There is a road, whatever the proximity rule says; the settlements lie within the reach of its class.
@@ -164,6 +193,8 @@ pub enum EditList {
     Settlements,
     /// `influences`
     Influences,
+    /// `way_points`
+    WayPoints,
     /// `roads`
     Roads,
 }
@@ -174,6 +205,7 @@ impl EditList {
         match self {
             Self::Settlements => "settlements",
             Self::Influences => "influences",
+            Self::WayPoints => "way_points",
             Self::Roads => "roads",
         }
     }
@@ -209,7 +241,7 @@ impl Edits {
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.settlements.is_empty() && self.influences.is_empty() && self.roads.is_empty()
+        *self == Self::default()
     }
 
     /// Checks all that can be known without a world: ranges, counts of points, borders that cross themselves.
@@ -222,6 +254,7 @@ impl Edits {
         }
         all(EditList::Settlements, &self.settlements, SettlementEdit::check)?;
         all(EditList::Influences, &self.influences, Influence::check)?;
+        all(EditList::WayPoints, &self.way_points, WayPoint::check)?;
         all(EditList::Roads, &self.roads, RoadEdit::check)
     }
 }
@@ -291,6 +324,14 @@ impl Influence {
             Some(class) => Err(format!("classes holds {class:?}; allowed are Highway, Major, Minor")),
             None => Ok(()),
         }
+    }
+}
+
+impl WayPoint {
+    fn check(&self) -> Result<(), String> {
+        place("at", self.at)?;
+        let class = self.class;
+        if class.is_road() { Ok(()) } else { Err(format!("class is {class:?}; allowed are Highway, Major, Minor")) }
     }
 }
 

@@ -4,6 +4,7 @@ use super::field::Field;
 use super::lattice::{kernel, node_at};
 use super::pairs::{beeline, tier_of};
 use super::places::Places;
+use super::way_points::NAMED;
 use super::{RoadSettings, Work, class_of};
 use crate::layer::LayerError;
 use crate::network::StreetClass;
@@ -103,6 +104,10 @@ pub(super) struct Control {
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
     /// By pair, the lower id first.
     wishes: BTreeMap<(SettlementId, SettlementId), Wished>,
+    /// Way points that stand, sorted by id.
+    pub way_points: Vec<Arc<Settlement>>,
+    /// Index of the edit of each.
+    pub way_point_edits: Vec<usize>,
     /// Edits that cannot be.
     pub rejected: Vec<RejectedEdit>,
 }
@@ -189,11 +194,11 @@ impl Control {
     }
 }
 
-/// The settlement whose circle holds a point; of several, that with the nearest centre.
+/// The settlement whose circle holds a point, or the way point there; of several, that with the nearest centre.
 fn settlement_at(places: &dyn Places, p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
     let near = places.overlapping(Bounds::new(p, p))?;
     let apart = |s: &Settlement| s.centre.plan().distance(p);
-    let holding = near.into_iter().filter(|s| apart(s) <= s.radius);
+    let holding = near.into_iter().filter(|s| apart(s) <= s.radius.max(NAMED));
     Ok(holding.min_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.id.cmp(&b.id))))
 }
 
@@ -206,7 +211,9 @@ fn wish(
 ) -> Result<([Arc<Settlement>; 2], Wish), String> {
     let find = |p: DVec2| {
         let found = settlement_at(places, p).map_err(|e| e.to_string())?;
-        found.ok_or_else(|| format!("no settlement is at {},{}; allowed is a point in the circle of one", p.x, p.y))
+        found.ok_or_else(|| {
+            format!("no settlement is at {},{}; allowed is a point in the circle of one, or at a way point", p.x, p.y)
+        })
     };
     let [from, to] = edit.ends();
     let (from, to) = (find(from)?, find(to)?);
@@ -274,6 +281,17 @@ pub(super) fn without_way(work: &Work, cancel: &crate::layer::Cancel) -> Result<
             _ => continue,
         };
         out.push(RejectedEdit { list: EditList::Roads, index, reason });
+    }
+    let control = &work.control;
+    for (point, index) in control.way_points.iter().zip(&control.way_point_edits) {
+        let mut reached = false;
+        for tier in SizeClass::ALL.into_iter().filter(|t| *t <= point.size) {
+            reached = reached || !super::course::courses_of(work, tier, point, cancel)?.is_empty();
+        }
+        if !reached {
+            let reason = format!("no road finds a way to {}; allowed is a place that one can reach", point.name);
+            out.push(RejectedEdit { list: EditList::WayPoints, index: *index, reason });
+        }
     }
     Ok(out)
 }

@@ -294,6 +294,7 @@ fn land<'a>(
     let mut field = work.field(t, work.strip(spine, t.corridor));
     for s in sites.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
         match off {
+            Beside::Discs if s.radius == 0.0 => {}
             Beside::Discs => field.close_disc(s.centre.plan(), s.radius + TIE_REACH * step as f64),
             Beside::Outlines => field.close_site(&*work.site(s)?),
         }

@@ -253,9 +253,9 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
     Ok(out)
 }
 
-/// The settlement of a finite domain that a node stands for.
+/// The settlement that a node stands for.
 fn stands_for(work: &Work, node: I64Vec2) -> Option<SettlementId> {
-    work.finite.as_ref().and_then(|f| f.settlement(node))
+    work.nodes.settlement(node)
 }
 
 /// The vertex at a place in parts of a step: a node that stands for a settlement is its only gate.

@@ -26,15 +26,16 @@
 //! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
 //! by that padding, and decided by settlements a `reach` further; a window of the ground that a search reads lies within the
 //! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read. Edits change none of this: ways that
-//! influences make cheap, and those through given points, keep within the ellipse of their pair.
+//! influences make cheap, and those through given points, keep within the ellipse of their pair. A way point that persists is one
+//! more settlement, without an outline: `way_points`, `node`. How far a change of edits reaches is in `spread`.
 //!
 //! # What holds
 //!
 //! Roads of one level meet only at junctions; bridges and tunnels that a search chose are levels of their own. Courses
 //! meet only at nodes and crossings of the lattice, which are vertices of the graph, connectors of merged roads are split
 //! where they meet others, and smoothing moves a line only where nothing is near. Roads touch an outline only in their
-//! gate, since the lattice is closed around it. Every course ends in gates, and merging leaves no dead ends, so no road
-//! ends in a field. Settlements that touch have no course: their border is the way between them, and no tie or course
+//! gate, since the lattice is closed around it. Every course ends in gates or way points, and merging leaves no dead ends, so
+//! no road ends in a field where the user has set no way point. Settlements that touch have no course: their border is the way between them, and no tie or course
 //! comes near it.
 
 mod control;
@@ -46,6 +47,7 @@ mod lattice;
 mod led;
 mod merge;
 mod network;
+mod node;
 mod pairs;
 mod piece;
 mod places;
@@ -54,8 +56,10 @@ mod search;
 mod settings;
 mod shape;
 mod site;
+mod spread;
 #[cfg(test)]
 mod tests;
+mod way_points;
 mod wide;
 
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
@@ -98,14 +102,14 @@ pub struct Gate {
     pub class: StreetClass,
 }
 
-/// A connection of two settlements that the proximity rule keeps, and that a road serves; not of two that touch.
+/// A connection of two settlements or way points that the proximity rule keeps, and that a road serves; not of two that touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Stable name.
     pub id: StreetId,
-    /// The settlement with the lower id.
+    /// The settlement or way point with the lower id.
     pub from: SettlementId,
-    /// The settlement with the higher id.
+    /// The settlement or way point with the higher id.
     pub to: SettlementId,
     /// Class tau = min(sigma, sigma).
     pub class: StreetClass,
@@ -131,6 +135,8 @@ struct Work {
     places: Arc<dyn Places>,
     /// What is different in a finite domain; `None` in the endless world.
     finite: Option<network::Finite>,
+    /// Settlements that are nodes of the lattice.
+    nodes: node::Nodes,
     /// What the user wants of roads.
     control: control::Control,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
@@ -156,6 +162,11 @@ fn class_of(tier: SizeClass) -> StreetClass {
     }
 }
 
+/// Size of the settlements whose roads to larger ones are of a class; `None` for streets.
+fn tier_of_class(class: StreetClass) -> Option<SizeClass> {
+    SizeClass::ALL.into_iter().find(|tier| class_of(*tier) == class)
+}
+
 /// The tiles up to `ring` columns and rows from one.
 fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
     (-ring..=ring).flat_map(move |y| (-ring..=ring).map(move |x| tile + I64Vec2::new(x, y)))
@@ -169,6 +180,7 @@ impl Work {
             terrain,
             places,
             finite: None,
+            nodes: node::Nodes::default(),
             control: control::Control::default(),
             samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
@@ -185,6 +197,26 @@ impl Work {
         }
     }
 
+    /// The same with what edits want, which are taken as checked.
+    fn with_edits(
+        settings: &RoadSettings,
+        terrain: Arc<dyn Terrain>,
+        places: Arc<dyn Places>,
+        edits: &Edits,
+        bytes: usize,
+    ) -> Self {
+        let step = settings.step;
+        let (found, refused) = way_points::standing(&edits.way_points, &*terrain, &*places, step);
+        let (points, indices): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let everywhere = Bounds::new(DVec2::NEG_INFINITY, DVec2::INFINITY);
+        let nodes = node::Nodes::new(&points, everywhere, &*terrain, step);
+        let places = way_points::among(places, &points);
+        let mut control = control::Control::new(edits, settings, &*terrain, &*places);
+        control.rejected.extend(refused);
+        (control.way_points, control.way_point_edits) = (points, indices);
+        Self { control, nodes, ..Self::new(settings, terrain, places, bytes) }
+    }
+
     /// Open ground in a strip, as a class of roads sees it.
     fn field<'a>(&'a self, t: &'a TierSettings, strip: field::Strip) -> field::Field<'a> {
         let step = self.settings.step;
@@ -197,10 +229,7 @@ impl Work {
     }
 
     fn site(&self, s: &Settlement) -> Result<Arc<site::Site>, LayerError> {
-        self.sites.get(&s.id, || match &self.finite {
-            Some(finite) if finite.is_node(s) => Ok(finite.site(s)),
-            _ => site::site(self, s),
-        })
+        self.sites.get(&s.id, || self.nodes.site(s).map_or_else(|| site::site(self, s), Ok))
     }
 
     /// The nodes of a box that a search may use: in a finite domain, none outside of it.
@@ -211,12 +240,15 @@ impl Work {
 
     /// The node that stands for a settlement's centre.
     fn centre_node(&self, s: &Settlement, step: i64) -> I64Vec2 {
+        if let Some(node) = self.nodes.node(s, step) {
+            return node;
+        }
         let near = || lattice::node_near(s.centre.plan(), step);
         self.finite.as_ref().map_or_else(near, |f| f.centre_node(&*self.terrain, s, step))
     }
 
     /// Nodes within `width` of a line that a search may use.
-    fn strip(&self, line: &[glam::DVec2], width: f64) -> field::Strip {
+    fn strip(&self, line: &[DVec2], width: f64) -> field::Strip {
         let step = self.settings.step;
         field::Strip::around(line, width, step, self.finite.as_ref().map(|f| f.range(step)))
     }
@@ -287,12 +319,23 @@ impl Roads {
         edits: &Edits,
         cache_bytes: usize,
     ) -> Self {
-        let control = control::Control::new(edits, settings, &*terrain, &*settlements);
-        Self { work: Work { control, ..Work::new(settings, terrain, settlements, cache_bytes) } }
+        Self { work: Work::with_edits(settings, terrain, settlements, edits, cache_bytes) }
     }
 
-    /// The edits that cannot be: without a settlement at both ends, beyond the reach of the class, through water, or where the
-    /// ground lets no road through. Finding out the last makes the roads that the edits want.
+    /// Way points that roads pass, as settlements of radius 0, sorted by id: [`Link`]s name them like settlements. The
+    /// junction at one is that of its gate at vertex 0.
+    pub fn way_points(&self) -> &[Arc<Settlement>] {
+        &self.work.control.way_points
+    }
+
+    /// The junction at a way point.
+    pub fn way_point_junction(&self, id: SettlementId) -> JunctionId {
+        JunctionId::of(&[2, id.0, 0, 0])
+    }
+
+    /// The edits that cannot be: without a settlement at both ends, beyond the reach of the class, through water, too near
+    /// another way point or a settlement, or where the ground lets no road through. Finding out the last makes the roads that
+    /// the edits want.
     pub fn rejected_edits(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
         let mut out = self.work.control.rejected.clone();
         out.extend(control::without_way(&self.work, cancel)?);

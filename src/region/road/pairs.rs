@@ -207,7 +207,8 @@ pub(super) fn open_ground<'a>(
     let step = work.settings.step;
     let near = Bounds::of(strip.nodes.iter().map(|n| node_at(*n, step))).grown(REPEL);
     let mut field = work.field(t, strip);
-    for s in work.places.overlapping_of(near, tier)?.iter().filter(|s| ends.iter().all(|e| e.id != s.id)) {
+    let repelling = |s: &&Arc<Settlement>| repels(s) > 0.0 && ends.iter().all(|e| e.id != s.id);
+    for s in work.places.overlapping_of(near, tier)?.iter().filter(repelling) {
         field.add(|_, node| repelled(t, s, node_at(node, step)));
     }
     work.control.influence(tier, &mut field);
@@ -219,9 +220,9 @@ fn repelled(t: &TierSettings, s: &Settlement, at: DVec2) -> f64 {
     t.settlement * kernel(at.distance(s.centre.plan()), repels(s))
 }
 
-/// Distance in metres at which a settlement repels.
+/// Distance in metres at which a settlement repels; 0 for a way point, which roads may pass.
 fn repels(s: &Settlement) -> f64 {
-    s.radius + REPEL
+    if s.radius > 0.0 { s.radius + REPEL } else { 0.0 }
 }
 
 /// Control term h of the settlements of the road's class or above that it does not serve: kernels around them (Galin
@@ -237,7 +238,7 @@ pub(super) fn repulsion(
     let mut out = vec![0f32; window.len()];
     let bounds = Bounds::new(node_at(window.min, step), node_at(window.min + window.size - 1, step));
     for s in work.places.overlapping_of(bounds.grown(REPEL), tier)? {
-        if ends.iter().any(|e| e.id == s.id) {
+        if repels(&s) == 0.0 || ends.iter().any(|e| e.id == s.id) {
             continue;
         }
         let part = Window::around(Bounds::square(s.centre.plan(), 2.0 * repels(&s)), step);

@@ -108,8 +108,9 @@ pub(super) fn pieces(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Piec
     let own = tile_bounds(tile, work.settings.step);
     let mut walk = Walk { work, cancel, graphs: BTreeMap::new(), shapes: BTreeMap::new() };
     let mut lines: BTreeMap<[Key; 2], Vec<Key>> = BTreeMap::new();
-    // Edges reach less than three steps over a tile's border, and rounding off moves lines by less than one.
-    let near = own.grown(work.settings.step as f64);
+    // Edges reach less than three steps over a tile's border; rounding off moves lines by less than one, and so does bending
+    // them to settlements that are nodes.
+    let near = own.grown(2.0 * work.settings.step as f64);
     let mut done: Vec<[Key; 2]> = Vec::new();
     for y in -1..=1 {
         for x in -1..=1 {
@@ -176,6 +177,8 @@ fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
         }
     }
 
+    let mut ends: Vec<&mut usize> = runs.iter_mut().map(|r| &mut r.0).collect();
+    let line = walk.work.nodes.bend(origin, line, &mut ends);
     let (from, to) = (keys[0].junction(), keys[keys.len() - 1].junction());
     let mut words = keys[0].words().to_vec();
     words.extend(keys[1].words());

@@ -1,6 +1,6 @@
 //! Settlements that the user pinned and moved, and where the user wants none.
 
-use super::{LEAST_REACH, Settlements, name, site};
+use super::{LEAST_REACH, NEIGHBOUR, SettlementSettings, Settlements, apart, name, site};
 use crate::layer::LayerError;
 use crate::region::edits::{EditList, RejectedEdit, SettlementEdit};
 use crate::region::{Settlement, SettlementId, SizeClass};
@@ -64,6 +64,16 @@ impl Placed {
         self.largest = self.largest.max(s.radius);
         self.edits.push(edit);
         self.settlements.push(Arc::new(s));
+    }
+}
+
+impl SettlementSettings {
+    /// Distance in metres from where a settlement comes, goes or moves to the ends of the outlines that differ: `largest` is the
+    /// radius of the largest. Others give way to it, their neighbours have other outlines, and so do those with whom these
+    /// share a border.
+    pub(crate) fn spread(&self, largest: f64) -> f64 {
+        let apart = apart(self, largest, largest);
+        apart + 2.0 * (2.0 * largest + NEIGHBOUR) + largest
     }
 }
 

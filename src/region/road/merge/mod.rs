@@ -50,7 +50,7 @@ fn longest_rung(settings: &RoadSettings) -> f64 {
 
 /// How far in metres around its tile the merged graph depends on the graph: a connector into the tile, one that crosses it,
 /// what the choice of that one depends on: whether its ways go, and what runs beside what where it could end.
-fn padding(settings: &RoadSettings) -> f64 {
+pub(super) fn padding(settings: &RoadSettings) -> f64 {
     let step = settings.step as f64;
     let (edge, connector) = (EDGE_STEPS * step, longest_connector(settings));
     let beside = WATCHED_STEPS * step + settings.merge;

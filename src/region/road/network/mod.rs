@@ -2,10 +2,9 @@
 //! 2011, sections 4 to 6).
 //!
 //! Nothing outside of the domain is read or built on. Every pair of settlements within the settings' reach is a candidate.
-//! A settlement too small for the lattice is a node: roads end at its centre, or pass through it (`node`). A larger one has a disc
-//! with gates, shrunk where a neighbour is near (`places`).
+//! A settlement too small for the lattice is a node: roads end at its centre, or pass through it (`Nodes`). A larger one has a
+//! disc with gates, shrunk where a neighbour is near (`places`).
 
-mod node;
 mod parallel;
 mod places;
 mod settings;
@@ -13,7 +12,8 @@ mod settings;
 mod tests;
 
 use super::course::{Course, find};
-use super::lattice::node_at;
+use super::lattice::{node_at, node_near};
+use super::node::{Nodes, around, nearer};
 use super::pairs::{beeline, hopeless, kept, tier_of};
 use super::search::Window;
 use super::{Link, Road, RoadSettings, Work, graph};
@@ -23,7 +23,6 @@ use crate::region::{Outline, Settlement, SettlementId, SizeClass};
 use crate::space::{Bounds, Origin};
 use crate::terrain::{Scan, Terrain, TerrainSample};
 use glam::{DVec2, I64Vec2};
-use node::Nodes;
 use parallel::each;
 use places::Listed;
 use std::collections::{BTreeMap, BTreeSet};
@@ -118,7 +117,6 @@ pub struct RoadNetwork {
 pub(super) struct Finite {
     bounds: Bounds,
     places: Arc<Listed>,
-    nodes: Nodes,
     /// Courses of villages, towns and cities, as far as they are found, each sorted by id.
     courses: [Vec<Arc<Course>>; 3],
 }
@@ -134,9 +132,13 @@ impl Finite {
         self.places.is_node(s.id)
     }
 
-    /// The settlement that a node stands for.
-    pub fn settlement(&self, node: I64Vec2) -> Option<SettlementId> {
-        self.nodes.settlement(node)
+    /// The node for a settlement's centre on a lattice of some step: the nearest dry one in the domain, if one is near.
+    pub fn centre_node(&self, terrain: &dyn Terrain, s: &Settlement, step: i64) -> I64Vec2 {
+        let (low, high) = self.range(step);
+        let near = node_near(s.centre.plan(), step).clamp(low, high);
+        let is_dry = |n: &I64Vec2| terrain.sample(node_at(*n, step)).depth() == 0.0;
+        let inside = around(near).filter(|n| n.cmpge(low).all() && n.cmple(high).all() && is_dry(n));
+        inside.min_by(|a, b| nearer(*a, *b, s.centre, step)).unwrap_or(near)
     }
 
     /// First and last node in the domain.
@@ -234,7 +236,7 @@ impl RoadNetwork {
         let mut roads: Vec<&Arc<Road>> = pieces.iter().flat_map(|p| &p.0).collect();
         roads.sort_by_key(|r| r.street.id);
         roads.dedup_by_key(|r| r.street.id);
-        let roads = roads.into_iter().map(|r| finite.nodes.bend(r)).collect();
+        let roads = roads.into_iter().cloned().collect();
         let outline = |s: &Arc<Settlement>| {
             let stop = finite.places.stop(s.id).cloned();
             stop.unwrap_or_else(|| Arc::new(places::disc(s, s.radius, 1)))
@@ -275,10 +277,10 @@ fn new_work(
     nodes: &[SettlementId],
 ) -> Work {
     let places = Arc::new(Listed::new(all, settings.step, nodes));
-    let nodes = Nodes::new(&places, domain, &*terrain, settings.step);
-    let mut work = Work::new(settings, terrain, places.clone(), BYTES);
-    work.finite = Some(Finite { bounds: domain, places, nodes, courses: Default::default() });
-    work
+    let small: Vec<Arc<Settlement>> = places.all.iter().filter(|s| places.is_node(s.id)).cloned().collect();
+    let nodes = Nodes::new(&small, domain, &*terrain, settings.step);
+    let finite = Some(Finite { bounds: domain, places: places.clone(), courses: Default::default() });
+    Work { nodes, finite, ..Work::new(settings, terrain, places, BYTES) }
 }
 
 /// The courses of one class, sorted by id.

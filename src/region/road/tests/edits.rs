@@ -1,17 +1,13 @@
 //! Roads with the user's wishes.
 
-use super::super::control::Control;
 use super::*;
-use crate::region::edits::{Edits, Influence, RoadEdit, Shape};
+use crate::region::edits::{EditList, Edits, Influence, RoadEdit, Shape, WayPoint};
 use crate::space::{distance_to_line, line_length, point_at, segments};
 
 fn edited(seed: u64, flat: bool, edits: &Edits) -> Roads {
     assert_eq!(edits.check(), Ok(()));
-    let mut out = roads(seed, flat, &RoadSettings::default());
-    let work = &out.work;
-    let control = Control::new(edits, &work.settings, &*work.terrain, &*work.places);
-    out.work.control = control;
-    out
+    let Work { settings, terrain, places, .. } = roads(seed, flat, &RoadSettings::default()).work;
+    Roads { work: Work::with_edits(&settings, terrain, places, edits, 256 << 20) }
 }
 
 /// The courses of a class from the settlements in a square.
@@ -180,4 +176,50 @@ fn far_roads_know_nothing_of_influences_and_ground_is_read_within_the_padding() 
         // Any order gives the same with edits as well.
         assert_eq!(all(&super::edits::edited(seed, false, &edits), here), all(&edited, here));
     }
+}
+
+/// Way points at drawn places in a square.
+fn drawn_way_points(seed: u64, middle: DVec2, size: f64, count: usize) -> Vec<WayPoint> {
+    let mut stream = crate::space::Seed(seed).stream("way points", &[]);
+    let classes = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor];
+    let mut drawn = || {
+        let at = (middle + DVec2::new(stream.signed(), stream.signed()) * (size / 2.0)).round();
+        WayPoint { at, class: classes[stream.index(3)] }
+    };
+    (0..count).map(|_| drawn()).collect()
+}
+
+#[test]
+fn roads_lead_to_way_points_and_through_them() {
+    let mut degrees: BTreeMap<(StreetClass, usize), usize> = BTreeMap::new();
+    for (seed, middle) in [(70, DVec2::ZERO), (71, DVec2::new(-90_000.0, 41_000.0)), (72, DVec2::new(6e8, -2e8))] {
+        let way_points = drawn_way_points(seed, middle, 9_000.0, 6);
+        let edits = Edits { way_points: way_points.clone(), ..Edits::default() };
+        let roads = edited(seed, false, &edits);
+        let square = Bounds::square(middle, 11_000.0);
+        let pieces = all(&roads, square);
+        assert_planar(&pieces, Origin::at(middle));
+        let rejected = roads.rejected_edits(&Cancel::new()).unwrap();
+        assert!(rejected.iter().all(|e| e.list == EditList::WayPoints), "{rejected:?}");
+        assert!(roads.way_points().len() + rejected.len() >= way_points.len());
+        for (i, w) in way_points.iter().enumerate().filter(|(i, _)| rejected.iter().all(|e| e.index != *i)) {
+            let point = roads.way_points().iter().find(|p| p.centre.plan() == w.at).unwrap();
+            let junction = roads.way_point_junction(point.id);
+            let mut arriving = Vec::new();
+            for r in &pieces {
+                let line = &r.street.line;
+                let ends = [(r.street.from, line[0]), (r.street.to, line[line.len() - 1])];
+                for (_, end) in ends.into_iter().filter(|e| e.0 == junction) {
+                    assert_eq!(end + r.origin.offset_to(point.centre), DVec2::ZERO, "way point {i}");
+                    arriving.push(r.street.class);
+                }
+            }
+            *degrees.entry((w.class, arriving.len())).or_default() += 1;
+            // No road is of a higher class than the way point, but one that passes by chance.
+            let links = roads.links(Bounds::square(w.at, 2.0), &Cancel::new()).unwrap();
+            assert!(!links.is_empty() && links.iter().all(|l| l.class >= w.class), "{links:?}");
+        }
+    }
+    println!("{degrees:?}");
+    assert!(degrees.keys().all(|d| d.1 > 0), "{degrees:?}");
 }

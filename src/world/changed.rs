@@ -1,0 +1,260 @@
+//! What differs between two worlds that have all but their edits in common.
+
+use super::{Edits, RoadEdit, Settings, SettlementEdit, Shape, World};
+use crate::layer::{Cancel, LayerError};
+use crate::network::StreetClass;
+use crate::region::{Influence, Settlement, SettlementId, SizeClass, WayPoint};
+use crate::space::{Bounds, ChunkCoord};
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// An edit: what it looks at to know whether it can be, if it looks at anything, and what it may change.
+struct Place {
+    looks: Option<Bounds>,
+    changes: Bounds,
+}
+
+/// How far edits of each kind change something, in metres.
+struct Spreads<'a> {
+    settings: &'a Settings,
+    /// From a settlement that comes, goes or moves, to the ends of the outlines that it changes.
+    settlement: f64,
+    /// From a gate to the farthest street that depends on it.
+    town: f64,
+    /// Largest radius of a settlement.
+    radius: f64,
+}
+
+impl<'a> Spreads<'a> {
+    fn new(settings: &'a Settings, edits: [&Edits; 2]) -> Self {
+        let pinned = edits.into_iter().flat_map(|e| &e.settlements).filter_map(|e| match e {
+            SettlementEdit::Pin { radius, .. } => *radius,
+            _ => None,
+        });
+        let radius = pinned.fold(settings.settlements.largest_radius(), f64::max);
+        let settlement = settings.settlements.spread(radius);
+        // A town, those that it touches, whose seams have ports from both, and those that these touch.
+        Self { settings, settlement, town: 6.0 * radius, radius }
+    }
+
+    fn settlement(&self, edit: &SettlementEdit) -> Place {
+        let at = match edit {
+            SettlementEdit::Pin { at, .. } => Bounds::of([*at]),
+            // What is moved has its centre within its radius of `from`.
+            SettlementEdit::Move { from, to } => Bounds::of([*from]).grown(self.radius).union(Bounds::of([*to])),
+            SettlementEdit::Ban { at, radius } => Bounds::square(*at, 2.0 * radius),
+        };
+        let far = self.settlement + self.settings.roads.spread_of_settlement() + self.town;
+        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
+    }
+
+    fn influence(&self, influence: &Influence) -> Place {
+        let points: &[DVec2] = match &influence.shape {
+            Shape::Point(p) => std::slice::from_ref(p),
+            Shape::Curve(line) => line,
+            Shape::Area(border) => border,
+        };
+        let works_on = |tier: SizeClass| {
+            let class = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway][tier as usize];
+            influence.classes.is_empty() || influence.classes.contains(&class)
+        };
+        let far = influence.radius + self.settings.roads.spread_of_influence(works_on) + self.town;
+        Place { looks: None, changes: Bounds::of(points.iter().copied()).grown(far) }
+    }
+
+    fn way_point(&self, point: &WayPoint) -> Place {
+        let size = match point.class {
+            StreetClass::Highway => SizeClass::City,
+            StreetClass::Major => SizeClass::Town,
+            _ => SizeClass::Village,
+        };
+        let at = Bounds::of([point.at]);
+        let far = self.settings.roads.spread_of_way_point(size) + self.town;
+        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
+    }
+
+    fn road(&self, edit: &RoadEdit) -> Place {
+        let ends = Bounds::of(edit.ends());
+        // An edit whose ends are further apart than any class reaches is rejected.
+        let [from, _] = edit.ends();
+        let far = self.radius + self.settings.roads.spread_of_road() + self.town;
+        let looks = ends.grown(self.radius + self.settlement);
+        Place { looks: Some(looks), changes: Bounds::of([from]).grown(far) }
+    }
+}
+
+/// Which elements of two lists are not in both, in one order; every element where those in both have another order.
+fn differing<'a, T: PartialEq>(before: &'a [T], after: &'a [T]) -> [Vec<bool>; 2] {
+    let first = before.iter().zip(after).take_while(|(a, b)| a == b).count();
+    let (rest, other) = (&before[first..], &after[first..]);
+    let last = rest.iter().rev().zip(other.iter().rev()).take_while(|(a, b)| a == b).count();
+    let (rest, other) = (&rest[..rest.len() - last], &other[..other.len() - last]);
+    let mut free = vec![true; other.len()];
+    let mut twin = |e: &T| {
+        let found = (0..other.len()).find(|i| free[*i] && other[*i] == *e)?;
+        free[found] = false;
+        Some(found)
+    };
+    let twins: Vec<Option<usize>> = rest.iter().map(&mut twin).collect();
+    let ordered = twins.iter().flatten().is_sorted();
+    let same = |count: usize| std::iter::repeat_n(false, count);
+    let before = twins.iter().map(|t| t.is_none() || !ordered);
+    let after = free.iter().map(|f| *f || !ordered);
+    [same(first).chain(before).chain(same(last)).collect(), same(first).chain(after).chain(same(last)).collect()]
+}
+
+/// Boxes of the plan (metres) outside of which two worlds of the same seed, settings, assets and terrain are equal, one with the
+/// edits `before`, one with `after`. Both are taken as checked.
+///
+/// They are bounds of all that could follow: mostly roads that take another way, of all classes, and their gates in towns. What
+/// really differs is far less, and found by [`World::changed_chunks`].
+pub fn changed_by_edits(settings: &Settings, before: &Edits, after: &Edits) -> Vec<Bounds> {
+    let spreads = Spreads::new(settings, [before, after]);
+    let mut places: Vec<(bool, Place)> = Vec::new();
+    let mut list = |flags: [Vec<bool>; 2], made: [Vec<Place>; 2]| {
+        for (flags, made) in flags.into_iter().zip(made) {
+            places.extend(flags.into_iter().zip(made));
+        }
+    };
+    let both = [before, after];
+    let flags = differing(&before.settlements, &after.settlements);
+    list(flags, both.map(|e| e.settlements.iter().map(|s| spreads.settlement(s)).collect()));
+    let flags = differing(&before.influences, &after.influences);
+    list(flags, both.map(|e| e.influences.iter().map(|i| spreads.influence(i)).collect()));
+    let flags = differing(&before.way_points, &after.way_points);
+    list(flags, both.map(|e| e.way_points.iter().map(|w| spreads.way_point(w)).collect()));
+    let flags = differing(&before.roads, &after.roads);
+    list(flags, both.map(|e| e.roads.iter().map(|r| spreads.road(r)).collect()));
+    // An edit that looks at what another changes may become possible or impossible.
+    let (mut changed, mut rest): (Vec<_>, Vec<_>) = places.into_iter().partition(|(differs, _)| *differs);
+    let mut next = 0;
+    while next < changed.len() {
+        let reached = changed[next].1.changes;
+        let looks = |p: &(bool, Place)| p.1.looks.is_some_and(|l| l.overlaps(reached));
+        let (more, others) = rest.into_iter().partition(looks);
+        rest = others;
+        changed.extend::<Vec<_>>(more);
+        next += 1;
+    }
+    let mut out: Vec<Bounds> = changed.into_iter().map(|(_, place)| place.changes).collect();
+    out.dedup();
+    out
+}
+
+/// Two worlds and what is known of their towns.
+struct Comparison<'a> {
+    worlds: [&'a World; 2],
+    cancel: &'a Cancel,
+    /// Whether a town has the same outline and gates in both.
+    same: BTreeMap<SettlementId, bool>,
+}
+
+impl Comparison<'_> {
+    /// Whether a town is the same, and those that it touches directly or by way of `rings` others.
+    fn same_town(&mut self, s: &Arc<Settlement>, rings: usize) -> Result<bool, LayerError> {
+        let [a, b] = self.worlds;
+        let same = match self.same.get(&s.id) {
+            Some(known) => *known,
+            None => {
+                let outlines = a.settlements().outline(s)? == b.settlements().outline(s)?;
+                let same = outlines && a.roads().gates(s, self.cancel)? == b.roads().gates(s, self.cancel)?;
+                self.same.insert(s.id, same);
+                same
+            }
+        };
+        if !same || rings == 0 {
+            return Ok(same);
+        }
+        let touching = a.settlements().touching(s)?;
+        if touching != b.settlements().touching(s)? {
+            return Ok(false);
+        }
+        for other in touching {
+            if !self.same_town(&other, rings - 1)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn same_chunk(&mut self, bounds: Bounds) -> Result<bool, LayerError> {
+        self.cancel.check()?;
+        let [a, b] = self.worlds;
+        let settlements = a.settlements().overlapping(bounds)?;
+        if settlements != b.settlements().overlapping(bounds)?
+            || a.roads().overlapping(bounds, self.cancel)? != b.roads().overlapping(bounds, self.cancel)?
+        {
+            return Ok(false);
+        }
+        for s in settlements {
+            // Parcels at a border see the streets of the town across, whose seams have ports of those that it touches.
+            if !self.same_town(&s, 2)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl World {
+    /// Of some chunks, those that may differ from the same of `before`, a world of the same seed, settings, assets and terrain
+    /// with other edits. All others are equal. Chunks outside of [`changed_by_edits`] are not looked at; for the others roads,
+    /// settlements and gates of both worlds are compared, which makes the roads of this one.
+    pub fn changed_chunks(
+        &self,
+        before: &World,
+        chunks: impl IntoIterator<Item = ChunkCoord>,
+        cancel: &Cancel,
+    ) -> Result<BTreeSet<ChunkCoord>, LayerError> {
+        let size = self.settings().chunk_size;
+        let reached = changed_by_edits(self.settings(), before.edits(), self.edits());
+        let mut comparison = Comparison { worlds: [before, self], cancel, same: BTreeMap::new() };
+        let mut out = BTreeSet::new();
+        for coord in chunks {
+            let bounds = coord.bounds(size);
+            if reached.iter().any(|r| r.overlaps(bounds)) && !comparison.same_chunk(bounds)? {
+                out.insert(coord);
+            }
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_differ_where_elements_come_go_or_change_places() {
+        let of = |a: &[u8], b: &[u8]| differing(a, b).map(|f| f.iter().map(|f| u8::from(*f)).collect::<Vec<_>>());
+        assert_eq!(of(&[1, 2, 3], &[1, 2, 3]), [vec![0; 3], vec![0; 3]]);
+        assert_eq!(of(&[1, 2, 3, 4], &[1, 3, 9, 4]), [vec![0, 1, 0, 0], vec![0, 0, 1, 0]]);
+        assert_eq!(of(&[1, 1], &[1]), [vec![0, 1], vec![0]]);
+        assert_eq!(of(&[5, 1, 2, 6], &[5, 2, 1, 6]), [vec![0, 1, 1, 0], vec![0, 1, 1, 0]]);
+        assert_eq!(of(&[], &[7]), [vec![], vec![1]]);
+    }
+
+    #[test]
+    fn an_edit_that_looks_at_a_changed_place_is_changed_too() {
+        let settings = Settings::default();
+        let pin = |x: f64| SettlementEdit::Pin {
+            at: DVec2::new(x, 0.0),
+            size: SizeClass::Town,
+            name: None,
+            style: None,
+            radius: None,
+        };
+        let edits =
+            |places: &[f64]| Edits { settlements: places.iter().map(|x| pin(*x)).collect(), ..Edits::default() };
+        let of = |a: &[f64], b: &[f64]| changed_by_edits(&settings, &edits(a), &edits(b));
+        assert!(of(&[0.0, 1e6], &[0.0, 1e6]).is_empty());
+        let alone = of(&[1e6], &[0.0, 1e6]);
+        assert_eq!(alone.len(), 1);
+        let far = alone[0].max.x;
+        assert!(alone[0].contains(DVec2::ZERO) && far < 2e5);
+        assert_eq!(of(&[2.0 * far], &[0.0, 2.0 * far]).len(), 1);
+        assert_eq!(of(&[far], &[0.0, far]).len(), 2);
+        assert_eq!(of(&[far, 1.5 * far, 4.0 * far], &[0.0, far, 1.5 * far, 4.0 * far]).len(), 3);
+    }
+}
