@@ -49,6 +49,17 @@ fn layers(c: &mut Criterion) {
             BatchSize::PerIteration,
         )
     });
+    c.bench_function("region/512 m on, 3 km around", |b| {
+        // A flight at 100 m/s takes 5.12 s for it; 5 % of a core are 256 ms.
+        let world = self::world(2);
+        let mut at = centre;
+        let mut go = || {
+            at.x += 512.0;
+            black_box(world.roads().overlapping(Bounds::square(at, 3000.0), &never).expect("never cancelled").len());
+        };
+        (0..20).for_each(|_| go());
+        b.iter(go)
+    });
     c.bench_function("town/plan a city", |b| {
         let (outline, gates) = (&seamed.town.outline, &seamed.town.gates);
         b.iter(|| town::plan(world.seed(), &city, outline, gates.clone(), kit, &**world.terrain(), &never))

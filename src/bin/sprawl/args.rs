@@ -175,6 +175,9 @@ pub struct SoakArgs {
     /// checked, too
     #[arg(long, conflicts_with = "edits")]
     pub edits_random: bool,
+    /// Check instead that the roads of a far window in each world are the same alone and after a larger window around it
+    #[arg(long, conflicts_with_all = ["edits", "edits_random"])]
+    pub windows: bool,
 }
 
 #[derive(Args)]

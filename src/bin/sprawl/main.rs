@@ -10,6 +10,7 @@ mod roads;
 mod settlements;
 mod soak;
 mod stats;
+mod windows;
 mod work;
 
 use args::{Cli, Command};
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
         Command::Stats(args) => stats::run(&cli.common, args),
         Command::Settlements(args) => settlements::run(&cli.common, args),
         Command::Digest(args) => digest::run(&cli.common, args),
+        Command::Soak(args) if args.windows => windows::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),

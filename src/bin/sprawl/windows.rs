@@ -1,0 +1,95 @@
+//! `sprawl soak --windows`: roads of far windows, made alone and after larger windows and their neighbours.
+
+use crate::args::{Common, SoakArgs};
+use crate::fail::Fail;
+use crate::work;
+use bevy_sprawl::layer::{Cancel, LayerError};
+use bevy_sprawl::region::{Road, Settlement};
+use bevy_sprawl::space::{Bounds, Seed, line_length};
+use bevy_sprawl::world::World;
+use glam::DVec2;
+use serde_json::json;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// Edge of a window, in metres.
+const WINDOW: f64 = 3_000.0;
+/// Edge of the larger window that is made first, in metres.
+const LARGER: f64 = 9_000.0;
+/// Windows lie within so many metres of the origin, along each axis.
+const FAR: f64 = 1e9;
+
+/// What there is of the region in a window.
+#[derive(PartialEq)]
+struct Region {
+    settlements: Vec<Arc<Settlement>>,
+    roads: Vec<Arc<Road>>,
+}
+
+impl Region {
+    fn of(world: &World, bounds: Bounds) -> Result<Self, LayerError> {
+        let cancel = Cancel::new();
+        let settlements = world.settlements().overlapping(bounds)?;
+        for s in &settlements {
+            world.settlements().outline(s)?;
+        }
+        Ok(Self { settlements, roads: world.roads().overlapping(bounds, &cancel)? })
+    }
+}
+
+/// A window that was compared.
+struct Compared {
+    at: DVec2,
+    roads: usize,
+    km: f64,
+    same: bool,
+}
+
+/// Runs the command: one window for each seed. Windows that differ make it fail with exit code 1.
+pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
+    let world = work::world(common)?;
+    let (settings, assets) = (world.settings().clone(), world.assets().clone());
+    let seeds: Vec<u64> = args.seeds.clone().collect();
+    let windows = work::each(common, "comparing windows", &seeds, |seed| {
+        // The settings and assets are those of a world that was made already.
+        let fresh = || World::new(Seed(*seed), settings.clone(), assets.clone()).ok();
+        Ok(match (fresh(), fresh()) {
+            (Some(alone), Some(after)) => Some(compare(*seed, &alone, &after)?),
+            _ => None,
+        })
+    })?;
+    let compared: Vec<(u64, &Compared)> =
+        seeds.iter().zip(&windows).filter_map(|(s, w)| Some((*s, w.as_ref()?))).collect();
+    let different: Vec<_> = compared.iter().filter(|(_, w)| !w.same).collect();
+    let (roads, km) = (compared.iter().map(|w| w.1.roads).sum::<usize>(), compared.iter().map(|w| w.1.km).sum::<f64>());
+    let report = json!({
+        "windows": compared.len(), "with_roads": compared.iter().filter(|w| w.1.roads > 0).count(), "roads": roads,
+        "road_km": km, "different": different.iter().map(|(seed, w)| json!({ "seed": seed, "x": w.at.x, "y": w.at.y }))
+            .collect::<Vec<_>>(),
+    });
+    let mut people = String::new();
+    for (seed, w) in &different {
+        // Writing to a string cannot fail.
+        let _ = writeln!(people, "seed {seed}: other roads around {},{}", w.at.x, w.at.y);
+    }
+    let _ = writeln!(people, "{} windows, {roads} roads, {km:.0} km: {} differ", compared.len(), different.len());
+    work::print(common, &report, &people)?;
+    match different.len() {
+        0 => Ok(()),
+        n => Err(Fail::World(format!("{n} of {} windows differ", compared.len()))),
+    }
+}
+
+/// A window drawn from the seed, in a world that has made nothing else, and in one that has made a larger window around it
+/// that lies askew.
+fn compare(seed: u64, alone: &World, after: &World) -> Result<Compared, LayerError> {
+    let mut stream = Seed(seed).stream("windows", &[]);
+    let mut point = |far: f64| DVec2::new(stream.signed(), stream.signed()) * far;
+    let at = point(FAR).round();
+    let window = Bounds::square(at, WINDOW);
+    let first = Region::of(alone, window)?;
+    Region::of(after, Bounds::square(at + point((LARGER - WINDOW) / 2.0), LARGER))?;
+    let same = Region::of(after, window)? == first;
+    let km = first.roads.iter().map(|r| line_length(&r.street.line)).sum::<f64>() / 1000.0;
+    Ok(Compared { at, roads: first.roads.len(), km, same })
+}
