@@ -31,12 +31,20 @@ pub(super) struct Nodes {
     /// How far the node at a place is shifted, in metres.
     shift: BTreeMap<[i64; 2], DVec2>,
     step: i64,
+    /// How far around a node the plane is bent, in steps along each axis.
+    room: i64,
 }
 
 impl Nodes {
-    /// A node for each of some settlements, which are sorted by id: the nearest dry one in the domain that is free, in turn.
-    pub fn new(settlements: &[Arc<Settlement>], domain: Bounds, terrain: &dyn Terrain, step: i64) -> Self {
-        let mut out = Self { step, ..Self::default() };
+    /// A node for each of some settlements, which are sorted by id: the nearest dry one in the domain that is free, in turn. The
+    /// plane is bent up to `room` steps around each along each axis; with 2, nodes are 2 or more apart.
+    pub fn new(
+        settlements: &[Arc<Settlement>],
+        domain: Bounds,
+        terrain: &dyn Terrain,
+        (step, room): (i64, i64),
+    ) -> Self {
+        let mut out = Self { step, room, ..Self::default() };
         for s in settlements {
             let free = |n: I64Vec2| !out.at.contains_key(&n.to_array()) && domain.contains(node_at(n, step));
             let nearest = |dry: bool| {
@@ -81,15 +89,16 @@ impl Nodes {
     fn moved(&self, origin: Origin, p: DVec2) -> DVec2 {
         let (base, p) = self.local(origin, p);
         let first = (p / self.step as f64).floor().as_i64vec2();
-        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| first + I64Vec2::new(x, y));
-        let all =
-            corners.into_iter().fold(DVec2::ZERO, |out, corner| match self.shift.get(&(base + corner).to_array()) {
-                Some(shift) => {
-                    let off = (p - node_at(corner, self.step)) / self.step as f64;
-                    out + *shift * bump(off.x) * bump(off.y)
-                }
-                None => out,
-            });
+        // In the same order from any origin, for sums of floats depend on it.
+        let side = 2 * self.room;
+        let near = (0..side * side).map(|i| first + 1 - self.room + I64Vec2::new(i % side, i / side));
+        let all = near.fold(DVec2::ZERO, |out, node| match self.shift.get(&(base + node).to_array()) {
+            Some(shift) => {
+                let off = (p - node_at(node, self.step)) / (self.step * self.room) as f64;
+                out + *shift * bump(off.x) * bump(off.y)
+            }
+            None => out,
+        });
         quantize(all)
     }
 
@@ -103,8 +112,8 @@ impl Nodes {
     fn touches(&self, origin: Origin, a: DVec2, b: DVec2) -> bool {
         let step = self.step as f64;
         let ((base, a), (_, b)) = (self.local(origin, a), self.local(origin, b));
-        let low = (a.min(b) / step).floor().as_i64vec2() + base;
-        let high = (a.max(b) / step).floor().as_i64vec2() + base + 1;
+        let low = (a.min(b) / step).floor().as_i64vec2() + base + 1 - self.room;
+        let high = (a.max(b) / step).floor().as_i64vec2() + base + self.room;
         (low.x..=high.x).any(|x| (low.y..=high.y).any(|y| self.shift.contains_key(&[x, y])))
     }
 
