@@ -22,6 +22,8 @@ const CLEARANCE: f64 = 8.0;
 const SCRAPE: f64 = 2.0;
 /// Share of the steepest slope from which on a bridge or tunnel is tried instead.
 const DEAR: f64 = 0.7;
+/// Steepest slope of a bridge or tunnel, whatever that of roads is.
+const STEEPEST_SPAN: f64 = 0.2;
 /// Most bridges and tunnels that are tried from one node in one direction.
 const MOST_HOPS: usize = 3;
 /// Spacing in metres of the variation of the ground that the terrain does not know.
@@ -325,7 +327,11 @@ impl<'a> Field<'a> {
         let Some(next) = self.strip.next(slot, heading) else { return Ok(false) };
         let (a, b) = (self.ground(slot)?, self.ground(next)?);
         let slope = f64::from((a.surface - b.surface).abs()) / self.lengths[heading];
-        Ok(b.depth > 0.0 || slope > DEAR * self.t.slope_limit)
+        Ok(b.depth > 0.0 || slope > DEAR * self.steepest_span())
+    }
+
+    fn steepest_span(&self) -> f64 {
+        self.t.slope_limit.min(STEEPEST_SPAN)
     }
 
     /// Bridges and tunnels that begin one edge along a heading.
@@ -390,7 +396,7 @@ impl<'a> Field<'a> {
         let length = edges as f64 * self.lengths[heading];
         let ends = [self.ground(a)?, self.ground(b)?].map(|g| f64::from(g.surface));
         let grade = (ends[1] - ends[0]).abs() / length;
-        if grade > self.t.slope_limit {
+        if grade > self.steepest_span() {
             return Ok(None);
         }
         let (mut bridge, mut tunnel) = (length <= self.t.bridge_limit, length <= self.t.tunnel_limit);

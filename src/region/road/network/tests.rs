@@ -254,6 +254,34 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
     exact
 }
 
+/// A ridge from north to south, at x = 0.
+struct Ridge;
+
+impl Terrain for Ridge {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        let height = 240.0 * math::exp(-(p.x / 260.0) * (p.x / 260.0));
+        TerrainSample { height, water_level: -100.0, vegetation: 0.0 }
+    }
+}
+
+#[test]
+fn under_a_steep_ridge_leads_a_tunnel_where_one_is_allowed() {
+    let domain = Bounds::square(DVec2::ZERO, 9_000.0);
+    let town = |i, x: f64| settlement(i, DVec2::new(x, 300.0), SizeClass::Town, 200.0);
+    let all = [town(0, -2_500.0), town(1, 2_600.0)];
+    let mut settings = RoadSettings::finite(150);
+    let tunnels = |settings: &RoadSettings| {
+        let network = RoadNetwork::build(domain, Arc::new(Ridge), &all, settings).unwrap();
+        assert_eq!(network.links.len(), 1);
+        assert_eq!(network.links[0].tunnels, network.roads.iter().filter(|r| r.street.tunnel).count());
+        network.links[0].tunnels
+    };
+    settings.major.tunnel_limit = 0.0;
+    assert_eq!(tunnels(&settings), 0);
+    settings.major.tunnel_limit = 2_000.0;
+    assert_eq!(tunnels(&settings), 1);
+}
+
 #[test]
 fn threads_change_nothing_and_a_cancelled_build_stops() {
     let domain = Bounds::square(DVec2::new(3e6, -2e6), 20_000.0);
