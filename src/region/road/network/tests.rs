@@ -214,10 +214,12 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
     }
     for (n, (i, a, b)) in lines.iter().enumerate() {
         for (j, c, d) in &lines[n + 1..] {
+            let (r, s) = (&network.roads[*i].street, &network.roads[*j].street);
+            // Over a bridge's deck or a tunnel's ground others may pass.
             if i != j
+                && r.level == s.level
                 && let Some(x) = segment_crossing(*a, *b, *c, *d)
             {
-                let (r, s) = (&network.roads[*i].street, &network.roads[*j].street);
                 let shared = [r.from, r.to].iter().any(|id| (*id == s.from || *id == s.to) && at(*id) == x.at);
                 assert!(shared, "{:?} and {:?} meet at {}", r.id, s.id, origin.to_plan(x.at));
             }
