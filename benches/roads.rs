@@ -127,7 +127,8 @@ fn densities(_: &mut Criterion) {
         let columns = classes.iter().zip(paper).map(|(class, (n, km))| {
             let links = network.links.iter().filter(|l| l.class == *class);
             let (count, metres) = links.fold((0, 0.0), |(n, m), l| (n + 1, m + l.length_m));
-            format!("{count:>4} {:>5.0} ({n:>3} {km:>4.0})", metres / 1000.0)
+            let theirs = if n > 0 { format!("({n:>3} {km:>4.0})") } else { " ".repeat(10) };
+            format!("{count:>4} {:>5.0} {theirs}", metres / 1000.0)
         });
         println!("{gamma:>6} {} {seconds:>8.3}", columns.map(|c| format!("{c:>22}")).collect::<Vec<_>>().join(" "));
         let now = (network.links.len(), network.length());

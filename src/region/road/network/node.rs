@@ -22,6 +22,9 @@ const FARTHEST: i64 = 3;
 /// Greatest shift of a node in steps along each axis: alone, and beside another that is shifted. With these nothing folds:
 /// the determinant of the map is 1 less at most 0.99.
 const SHIFT: (f64, f64) = (0.5, 0.12);
+/// How far the plane is bent around a node along each axis, in steps: with room, so that roads come to it without a hook,
+/// and without. With room no disc, border or other bend is as near.
+const BENT: (i64, i64) = (2, 1);
 /// Segments of roads that are bent, in steps.
 const FINE: f64 = 0.125;
 
@@ -30,8 +33,8 @@ const FINE: f64 = 0.125;
 pub(super) struct Nodes {
     pub of: BTreeMap<SettlementId, I64Vec2>,
     at: BTreeMap<[i64; 2], SettlementId>,
-    /// How far the node at a place is shifted, in metres.
-    shift: BTreeMap<[i64; 2], DVec2>,
+    /// How far the node at a place is shifted, in metres, and how far around it the plane is bent, in steps.
+    shift: BTreeMap<[i64; 2], (DVec2, i64)>,
     step: i64,
 }
 
@@ -53,11 +56,18 @@ impl Nodes {
         }
         for s in &places.all {
             let Some(node) = out.of.get(&s.id).copied() else { continue };
-            let beside = |n: I64Vec2| n != node && (n - node).abs().max_element() == 1;
-            let alone = !around(node).any(|n| beside(n) && out.at.contains_key(&n.to_array()));
-            let most = step as f64 * if alone { SHIFT.0 } else { SHIFT.1 };
-            let shift = s.centre.plan() - node_at(node, step);
-            out.shift.insert(node.to_array(), shift.clamp(DVec2::splat(-most), DVec2::splat(most)));
+            let others = |within: i64| {
+                let beside = |n: &[i64; 2]| (I64Vec2::from_array(*n) - node).abs().max_element() < within;
+                let rows = [node.x - within + 1, i64::MIN]..=[node.x + within - 1, i64::MAX];
+                out.at.range(rows).any(|(n, other)| *other != s.id && beside(n))
+            };
+            let most = step as f64 * if others(2) { SHIFT.1 } else { SHIFT.0 };
+            let off = s.centre.plan() - node_at(node, step);
+            let shift = off.clamp(DVec2::splat(-most), DVec2::splat(most));
+            let margin = (BENT.0 * step) as f64;
+            let inside = domain.grown(-margin).contains(node_at(node, step));
+            let room = inside && shift == off && !others(2 * BENT.0);
+            out.shift.insert(node.to_array(), (shift, if room { BENT.0 } else { BENT.1 }));
         }
         out
     }
@@ -70,10 +80,9 @@ impl Nodes {
     /// Where a plan point comes to lie.
     fn bent(&self, p: DVec2) -> DVec2 {
         let first = (p / self.step as f64).floor().as_i64vec2();
-        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| first + I64Vec2::new(x, y));
-        corners.into_iter().fold(p, |out, node| match self.shift.get(&node.to_array()) {
-            Some(shift) => {
-                let off = (p - node_at(node, self.step)) / self.step as f64;
+        near(first, first + 1).fold(p, |out, node| match self.shift.get(&node) {
+            Some((shift, reach)) => {
+                let off = (p - node_at(node.into(), self.step)) / (self.step * reach) as f64;
                 out + *shift * bump(off.x) * bump(off.y)
             }
             None => out,
@@ -86,7 +95,7 @@ impl Nodes {
         let touched = |a: DVec2, b: DVec2| {
             let low = (a.min(b) / step).floor().as_i64vec2();
             let high = (a.max(b) / step).floor().as_i64vec2() + 1;
-            (low.x..=high.x).any(|x| (low.y..=high.y).any(|y| self.shift.contains_key(&[x, y])))
+            near(low, high).any(|node| self.shift.contains_key(&node))
         };
         let plan = |p: DVec2| road.origin.to_plan(p);
         let line = &road.street.line;
@@ -103,6 +112,12 @@ impl Nodes {
         bent.street.line.dedup();
         Arc::new(bent)
     }
+}
+
+/// Nodes so near to those of a box that the plane around them may be bent there.
+fn near(low: I64Vec2, high: I64Vec2) -> impl Iterator<Item = [i64; 2]> {
+    let more = BENT.0 - 1;
+    (low.x - more..=high.x + more).flat_map(move |x| (low.y - more..=high.y + more).map(move |y| [x, y]))
 }
 
 /// 1 at 0, 0 from 1 on, smooth.
