@@ -56,7 +56,7 @@ pub enum Command {
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
     /// Roads between given settlements on given ground
-    Roads(RoadsArgs),
+    Roads(Box<RoadsArgs>),
     /// Check or draw patch sets
     Patches(PatchesArgs),
 }
