@@ -279,6 +279,112 @@ fn roads_of_a_finite_domain() {
         file("country.ron", "(roads: (highway: (turn: 60), minor: (gamma: inf)))").to_string_lossy().into_owned();
     let by_file = run("inf", "by_file.geojson", &["--settings", &settings]).0;
     assert_eq!(by_file["totals"]["roads"], report["totals"]["roads"]);
+    let mountains = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/settings/mountains.ron");
+    let by_file = run("2", "mountains.geojson", &["--settings", mountains]).0;
+    assert_eq!(by_file["unreached"], Value::Array(vec![]));
+}
+
+#[test]
+fn roads_are_compared_with_real_ones() {
+    let [grid, towns] = country("real", TOWNS);
+    // A road from town to town, one of a class that is not wanted, and one beyond the domain.
+    let line = |highway: &str, points: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"highway\":\"{highway}\"}},\"geometry\":\
+             {{\"type\":\"LineString\",\"coordinates\":[{points}]}}}}"
+        )
+    };
+    let all = [
+        line("primary_link", "[2500,1000],[7000,2200]"),
+        line("track", "[13000,0],[13000,9]"),
+        line("trunk", "[7000,2200],[99000,2200]"),
+    ];
+    let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", all.join(","));
+    let real = file("real.geojson", &text).to_string_lossy().into_owned();
+    let out = file("real.png", "").to_string_lossy().into_owned();
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "--reference", &real, "-o", &out];
+    let of = |more: &[&str]| json(&[&base[..], more].concat())["reference"].clone();
+    let report = of(&["--pixels", "200"]);
+    let metres = |v: &Value| v.as_f64().expect("metres");
+    // 4,657 m to Mid Lee, and on to the border at 16,000 m.
+    assert!((metres(&report["real_to_ours"]["length_m"]) - 13_657.0).abs() < 60.0, "{report}");
+    assert!(metres(&report["ours"]["mean_m"]) > 300.0 && metres(&report["straight"]["share_within_500_m"]) < 1.0);
+    let other = of(&["--reference-classes", "primary", "--compare", "--pixels", "200"]);
+    assert!((metres(&other["real_to_straight"]["length_m"]) - 4_657.0).abs() < 60.0, "{other}");
+    let picture = std::fs::read(&out).expect("a picture");
+    let size: Vec<u32> = picture[16..24].chunks(4).map(|b| b.iter().fold(0, |n, b| n << 8 | u32::from(*b))).collect();
+    assert_eq!(size, [400, 133]);
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--reference"];
+    for (name, content, expected) in [
+        ("real.osm", "<osm/>", "OpenStreetMap has degrees"),
+        ("real.txt", "", "must end in .osm .osm.pbf .geojson"),
+        ("empty.geojson", "{\"type\":\"FeatureCollection\",\"features\":[]}", "no road of the classes motorway,trunk,"),
+        ("broken.geojson", "{", "broken.geojson: no readable GeoJSON"),
+        ("far.geojson", &line("trunk", "[0,0],[1e300,0]"), "far.geojson: a road has a point at 1"),
+    ] {
+        let path = file(name, content).to_string_lossy().into_owned();
+        let line = refused(&[&base[..], &[&path]].concat());
+        assert!(line.contains(expected), "{line}");
+    }
+}
+
+#[test]
+fn roads_over_water_and_through_woods() {
+    let [grid, towns] = country("wet", TOWNS);
+    // A narrow lake of cells twice as wide, in the way; woods in the south.
+    let band = |name: &str, of: &dyn Fn(i32, i32) -> &'static str| {
+        let rows: Vec<String> =
+            (0..20).rev().map(|y| (0..30).map(|x| of(x, y)).collect::<Vec<_>>().join(" ")).collect();
+        let head = "ncols 30\nnrows 20\nxllcorner 1000\nyllcorner -2000\ncellsize 500\n";
+        file(name, &format!("{head}{}\n", rows.join("\n"))).to_string_lossy().into_owned()
+    };
+    let lake = |x: i32, y: i32| if x == 4 && y > 3 { "6" } else { "0" };
+    let water = band("lake.asc", &lake);
+    let wood = band("wood.asc", &|_, y| if y < 10 { "0.9" } else { "0" });
+    let out = file("wet.geojson", "").to_string_lossy().into_owned();
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out];
+    let of = |more: &[&str]| json(&[&base[..], more].concat())["totals"].clone();
+    let (dry, wet) = (of(&[]), of(&["--water", &water]));
+    assert!(dry["bridges"] == 0 && dry != wet, "{dry} {wet}");
+    assert_ne!(of(&["--vegetation", &wood])["classes"], dry["classes"]);
+    let bad = |name: &str, from: &str, to: &str| {
+        let text = std::fs::read_to_string(&water).expect("a grid").replacen(from, to, 1);
+        file(name, &text).to_string_lossy().into_owned()
+    };
+    for (flag, path, expected) in [
+        (
+            "--water",
+            bad("nan.asc", "0 0", "0 nan"),
+            "nan.asc:6:3: row 1, column 2: water depth is NaN; allowed is 0 to",
+        ),
+        ("--water", bad("short.asc", "0 0", "0"), "short.asc:6:1: row 1 holds 29 numbers; ncols is 30"),
+        ("--water", bad("hole.asc", "0 0", "0 -9999"), "hole.asc:6:3: row 1, column 2: no water depth here"),
+        ("--water", bad("deep.asc", "0 0", "0 -1"), "deep.asc:6:3: row 1, column 2: water depth is -1"),
+        ("--vegetation", water.clone(), "vegetation density is 6; allowed is 0 to 1"),
+        ("--water", bad("off.asc", "xllcorner 1000", "xllcorner 99000"), "off.asc: place of the water depth"),
+        ("--water", "lake.tif".into(), "lake.tif: "),
+    ] {
+        let line = refused(&[&base[..], &[flag, &path]].concat());
+        assert!(line.contains(expected), "{line}");
+    }
+}
+
+#[test]
+fn inhabitants_stand_for_size_classes() {
+    let [grid, towns] = country("people", "name,x,y,population\nA,2000,1000,21000\nB,9000,3000,5000\nC,5000,5000,70\n");
+    let out = file("people.geojson", "").to_string_lossy().into_owned();
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out];
+    let sizes = |more: &[&str]| {
+        let report = json(&[&base[..], more].concat());
+        let all = report["settlements"].as_array().expect("a list").clone();
+        let mut all: Vec<(String, u64)> =
+            all.iter().map(|s| (s["name"].to_string(), s["sigma"].as_u64().expect("a size"))).collect();
+        all.sort();
+        all.into_iter().map(|s| s.1).collect::<Vec<_>>()
+    };
+    assert_eq!(sizes(&[]), [2, 1, 0]);
+    assert_eq!(sizes(&["--populations", "50,5000"]), [2, 2, 1]);
+    assert!(refused(&[&base[..], &["--populations", "9,5"]].concat()).contains("no less for a city"));
 }
 
 #[test]

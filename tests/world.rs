@@ -4,7 +4,7 @@ use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::region::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
-use bevy_sprawl::terrain::{Terrain, TerrainSample};
+use bevy_sprawl::terrain::{Raster, RasterTerrain, Terrain, TerrainSample};
 use bevy_sprawl::town::MainStreet;
 use bevy_sprawl::world::{Edits, Fault, Settings, World, WorldAssets, audit, unreached_gates};
 use glam::DVec2;
@@ -132,6 +132,30 @@ fn a_world_stands_on_the_ground_that_a_game_brings() {
     assert_eq!(w.height_at(DVec2::new(1e7, -3.0)), 20.0);
     let links = w.roads().links(Bounds::square(DVec2::ZERO, 12_000.0), &Cancel::new()).unwrap();
     assert!(!links.is_empty() && links.iter().all(|l| l.bridges + l.tunnels == 0), "no water, no hills: {links:?}");
+}
+
+#[test]
+fn a_world_stands_on_rasters_with_water_and_woods() {
+    // 30 km of ground, a lake of cells of another size in its west, woods in its south.
+    let raster = |cells: usize, of: &dyn Fn(f64, f64) -> f64| {
+        let (step, corner) = (30_000.0 / cells as f64, DVec2::splat(-15_000.0));
+        let at = |i: usize| corner + DVec2::new((i % cells) as f64 + 0.5, (i / cells) as f64 + 0.5) * step;
+        let values = (0..cells * cells).map(|i| of(at(i).x, at(i).y) as f32).collect();
+        Raster::new(cells, cells, corner, DVec2::splat(step), values).unwrap()
+    };
+    let heights = raster(150, &|x, y| 60.0 + x * 2e-3 + y * 1e-3);
+    let lake = |x: f64, y: f64| if x < -6_000.0 && y.abs() < 12_000.0 { 8.0 } else { 0.0 };
+    let terrain = RasterTerrain::new(heights).and_then(|t| t.with_water_depth(raster(60, &lake)));
+    let terrain = terrain.and_then(|t| t.with_vegetation(raster(20, &|_, y| if y < 0.0 { 0.9 } else { 0.0 }))).unwrap();
+    let w = World::on_terrain(Seed(8), Settings::default(), WorldAssets::bundled(), Arc::new(terrain)).unwrap();
+    let land = |x: f64, y: f64| w.terrain().sample(DVec2::new(x, y));
+    assert!(land(-9_000.0, 0.0).depth() > 7.9 && land(9_000.0, 0.0).depth() == 0.0);
+    assert!(land(5_000.0, -9_000.0).vegetation > 0.8 && land(5_000.0, 9_000.0).vegetation == 0.0);
+    let found = w.settlements().centred_in(Bounds::square(DVec2::ZERO, 24_000.0)).unwrap();
+    assert!(found.iter().any(|s| s.centre.plan().x > 0.0));
+    assert!(found.iter().all(|s| lake(s.centre.plan().x, s.centre.plan().y) == 0.0));
+    let chunk = w.chunk(built_up(&w, DVec2::new(5_000.0, 0.0)), &Cancel::new()).unwrap();
+    assert!(!chunk.streets.is_empty());
 }
 
 #[test]

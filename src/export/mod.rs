@@ -15,11 +15,12 @@ pub mod svg;
 
 use crate::chunk::{PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError};
-use crate::network::{Junction, StreetClass};
+use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::region::{Outline, Road, RoadNetwork};
-use crate::space::Bounds;
+use crate::space::{Bounds, quantize};
 use crate::terrain::Terrain;
 use crate::world::{Area, Owned, World};
+use glam::DVec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -44,6 +45,8 @@ pub struct Plan<'a> {
     pub terrain: &'a dyn Terrain,
     /// Edge of a chunk in metres.
     pub chunk_size: i64,
+    /// Real roads to compare with, drawn under these in pictures.
+    pub real: Option<&'a Area>,
 }
 
 /// Outlines of the settlements of an area, as [`Plan::outlines`] wants them.
@@ -73,6 +76,39 @@ pub fn network(network: &RoadNetwork, chunk_size: i64) -> Area {
     put_roads(&mut area, &network.roads, chunk_size);
     area.settlements.clone_from(&network.settlements);
     area
+}
+
+/// Lines in plan metres as roads of an area, for [`Plan::real`], or to be drawn in the same way as a network. They have no
+/// junctions; ids are those of their places in the list.
+pub fn lines(bounds: Bounds, roads: impl IntoIterator<Item = RoadLine>, chunk_size: i64) -> Area {
+    let mut area = Area::empty(bounds);
+    let origin = area.origin;
+    for (i, road) in roads.into_iter().enumerate() {
+        let line: Vec<DVec2> = road.line.iter().map(|p| quantize(origin.to_local(*p))).collect();
+        if !Bounds::of(road.line).overlaps(bounds) {
+            continue;
+        }
+        let id = |end: u64| JunctionId::of(&[i as u64, end]);
+        let mut street = Street::new(StreetId::of(&[i as u64]), road.class, id(0), id(1), line);
+        (street.bridge, street.tunnel) = (road.bridge, road.tunnel);
+        street.level = i8::from(road.bridge) - i8::from(road.tunnel);
+        let chunk = street_owner(origin, &street, chunk_size);
+        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
+    }
+    area
+}
+
+/// A road from elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoadLine {
+    /// What it is drawn as.
+    pub class: StreetClass,
+    /// Whether it is carried over something.
+    pub bridge: bool,
+    /// Whether it runs under the ground.
+    pub tunnel: bool,
+    /// Two points or more, in plan metres.
+    pub line: Vec<DVec2>,
 }
 
 /// Puts pieces of road and their ends into an area without any.

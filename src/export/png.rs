@@ -5,16 +5,34 @@ use crate::export::{ExportError, Plan, glyphs};
 use glam::DVec2;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, Writer, XmlVersion};
-use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::tiny_skia::{Color, Pixmap, PixmapPaint, Transform};
 use resvg::usvg;
 use std::collections::BTreeMap;
 
 /// Draws a plan as a PNG file.
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<Vec<u8>, ExportError> {
+    encode(&drawn(plan, style)?)
+}
+
+/// Draws two plans beside each other as one PNG file.
+pub fn write_pair(plans: [(&Plan<'_>, &MapStyle); 2]) -> Result<Vec<u8>, ExportError> {
+    let [left, right] = plans.map(|(plan, style)| drawn(plan, style));
+    let (left, right) = (left?, right?);
+    let (width, height) = (left.width() + right.width(), left.height().max(right.height()));
+    let mut both = Pixmap::new(width, height)
+        .ok_or_else(|| ExportError::Format(format!("a picture of {width} by {height} pixels is not possible")))?;
+    both.fill(Color::WHITE);
+    for (x, part) in [(0, &left), (left.width() as i32, &right)] {
+        both.draw_pixmap(x, 0, part.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
+    }
+    encode(&both)
+}
+
+fn drawn(plan: &Plan<'_>, style: &MapStyle) -> Result<Pixmap, ExportError> {
     let relief = relief(plan, style);
     let mut pixels = relief.raster(style.size(plan.area.bounds))?;
     draw(&document(plan, style, &relief, None).to_string(), &mut pixels)?;
-    encode(&pixels)
+    Ok(pixels)
 }
 
 /// Draws any SVG without pictures as a PNG file, on white. Words in it are drawn in capitals of plain strokes, so that

@@ -20,6 +20,8 @@ pub(crate) struct Relief {
     samples: Vec<TerrainSample>,
     /// How many times steeper the land is drawn than it is.
     steeper: f64,
+    /// Height from which colours are counted, and what heights above it are scaled by.
+    tinted: (f64, f64),
     /// How far the water stands above the ground there, in metres; where steps are long, the most around that point.
     wet: Vec<f64>,
 }
@@ -27,7 +29,9 @@ pub(crate) struct Relief {
 /// Steps longer than this, in metres, would miss most of a river.
 const FINE: f64 = 6.0;
 /// Greatest mean slope that is drawn.
-const STEEPEST: f64 = 0.4;
+const STEEPEST: f64 = 0.26;
+/// Greatest height of land above the lowest that the colours of heights are made for, in metres.
+const TALLEST: f64 = 1_000.0;
 /// Ground further above its water than this, in metres, has no river beside it.
 const DRY: f64 = 4.0;
 
@@ -63,12 +67,27 @@ impl Relief {
             samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
         let (sum, count) = rises.fold((0.0, 1.0), |(sum, count), rise| (sum + rise, count + 1.0));
         let steeper = (2.2 * pow((step / 4.0).max(0.25), 0.15)).min(STEEPEST / (sum / count));
-        Self { steps, size, step, samples, steeper, wet }
+        let mut out = Self { steps, size, step, samples, steeper, tinted: (0.0, 1.0), wet };
+        // Where mountains stand, valleys must differ from peaks.
+        if let Some((low, high)) = out.heights().filter(|(low, high)| high - low > TALLEST) {
+            out.tinted = (low, TALLEST / (high - low));
+        }
+        out
     }
 
     /// Rings around water, as [`Relief::rings`].
     pub fn shores(&self, pixels: f64) -> Vec<Vec<DVec2>> {
         self.rings_of(pixels, |i| self.wet[i])
+    }
+
+    /// Whether there is water on the map.
+    pub fn has_water(&self) -> bool {
+        self.wet.iter().any(|w| *w > 0.0)
+    }
+
+    /// Whether there is so much wood that it shows.
+    pub fn has_wood(&self) -> bool {
+        self.samples.iter().filter(|s| s.vegetation > 0.6).count() > self.samples.len() / 500
     }
 
     fn at(&self, column: usize, row: usize) -> &TerrainSample {
@@ -94,11 +113,17 @@ impl Relief {
         let normal = DVec3::new(-slope.x * steeper, -slope.y * steeper, 1.0).normalize();
         let shade = normal.dot(light) / light.z - 1.0;
 
-        let tints =
-            [(0.0, [236, 236, 218]), (150.0, [241, 235, 217]), (400.0, [231, 220, 197]), (900.0, [246, 243, 238])];
+        let tints = match self.tinted.1 < 1.0 {
+            true => {
+                [(0.0, [217, 226, 196]), (200.0, [236, 232, 205]), (500.0, [226, 207, 174]), (950.0, [248, 245, 241])]
+            }
+            false => {
+                [(0.0, [236, 236, 218]), (150.0, [241, 235, 217]), (400.0, [231, 220, 197]), (900.0, [246, 243, 238])]
+            }
+        };
         let tints = tints.map(|(height, rgb)| (height, DVec3::from_array(rgb.map(f64::from))));
         let tint = tints.windows(2).fold(tints[0].1, |tint, pair| {
-            let t = smoothstep(pair[0].0, pair[1].0, here.height);
+            let t = smoothstep(pair[0].0, pair[1].0, (here.height - self.tinted.0) * self.tinted.1);
             if t > 0.0 { pair[0].1.lerp(pair[1].1, t) } else { tint }
         });
         let wood = DVec3::new(190.0, 211.0, 165.0);

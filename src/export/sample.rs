@@ -31,7 +31,7 @@ impl Terrain for Hills {
 
 impl Sample {
     pub fn plan(&self) -> Plan<'_> {
-        Plan { area: &self.area, outlines: &self.outlines, terrain: &self.terrain, chunk_size: 512 }
+        Plan { area: &self.area, outlines: &self.outlines, terrain: &self.terrain, chunk_size: 512, real: None }
     }
 }
 

@@ -1,17 +1,18 @@
 //! A map as SVG: shaded relief, water, blocks, lots, buildings, streets by class, names and a scale bar.
 
+mod furniture;
+
 use crate::export::relief::Relief;
-use crate::export::{ExportError, Plan, glyphs, narrowest_first};
+use crate::export::{ExportError, Plan, narrowest_first};
 use crate::network::{Street, StreetClass};
 use crate::parcel::BlockUse;
-use crate::region::{Settlement, SizeClass};
 use crate::space::Bounds;
 use crate::streets::MadeBy;
+use furniture::nice;
 use glam::DVec2;
 use std::fmt::Write;
-use std::sync::Arc;
 use svg::Document;
-use svg::node::element::{Circle, Group, Image, Path, Rectangle, Title};
+use svg::node::element::{Group, Image, Path};
 
 /// What the colour of a street says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,11 +31,15 @@ pub struct MapStyle {
     pub pixels: u32,
     /// What colours say.
     pub colouring: Colouring,
+    /// Whether a map of a region explains its signs.
+    pub legend: bool,
+    /// What the map is of, written at its upper left; empty for nothing.
+    pub title: &'static str,
 }
 
 impl Default for MapStyle {
     fn default() -> Self {
-        Self { pixels: 1600, colouring: Colouring::Class }
+        Self { pixels: 1600, colouring: Colouring::Class, legend: false, title: "" }
     }
 }
 
@@ -48,6 +53,18 @@ impl MapStyle {
 
 /// Draws a plan as an SVG document, the shaded relief embedded as a picture.
 pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<String, ExportError> {
+    Ok(with_relief(plan, style)?.to_string())
+}
+
+/// Draws two plans beside each other as one SVG document.
+pub fn write_pair(plans: [(&Plan<'_>, &MapStyle); 2]) -> Result<String, ExportError> {
+    let [left, right] = plans.map(|(plan, style)| (style.size(plan.area.bounds), with_relief(plan, style)));
+    let (width, height) = (left.0[0] + right.0[0], left.0[1].max(right.0[1]));
+    let whole = Document::new().set("viewBox", (0, 0, width, height)).set("width", width).set("height", height);
+    Ok(whole.add(left.1?).add(right.1?.set("x", left.0[0])).to_string())
+}
+
+fn with_relief(plan: &Plan<'_>, style: &MapStyle) -> Result<Document, ExportError> {
     let relief = relief(plan, style);
     let small = MapStyle { pixels: style.pixels.min(800), ..*style };
     let png =
@@ -58,7 +75,7 @@ pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<String, ExportError> {
         .set("height", height)
         .set("preserveAspectRatio", "none")
         .set("href", format!("data:image/png;base64,{}", base64(&png)));
-    Ok(document(plan, style, &relief, Some(picture)).to_string())
+    Ok(document(plan, style, &relief, Some(picture)))
 }
 
 /// The ground of a plan, a sample for every second pixel.
@@ -77,14 +94,32 @@ pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, pictu
         scale: longer / bounds.size().max_element(),
         corner: plan.area.origin.to_local(DVec2::new(bounds.min.x, bounds.max.y)),
         colouring: style.colouring,
+        region: plan.area.blocks.is_empty(),
     };
+    let mut taken = vec![sheet.scale_box()];
+    let mut cards = Vec::new();
+    if !style.title.is_empty() {
+        let (group, around) = sheet.title(style.title);
+        cards.push(group);
+        taken.push(around);
+    }
+    if style.legend {
+        let (group, around) = sheet.legend(plan, relief.has_water(), relief.has_wood(), &taken);
+        cards.push(group);
+        taken.push(around);
+    }
     let mut groups = vec![sheet.ground(relief)];
     groups.extend(sheet.parcels(plan));
+    if let Some(real) = plan.real {
+        groups.push(sheet.real(real, real.origin.offset_to(plan.area.origin)));
+    }
     groups.push(sheet.streets(plan));
-    if plan.area.blocks.is_empty() {
+    if sheet.region {
+        groups.push(sheet.junctions(plan));
         groups.push(sheet.symbols(plan));
     }
-    groups.push(sheet.names(plan));
+    groups.push(sheet.names(plan, taken));
+    groups.extend(cards);
     groups.push(sheet.scale_bar());
     let whole = Document::new().set("viewBox", (0.0, 0.0, size.x, size.y)).set("width", size.x).set("height", size.y);
     groups.into_iter().fold(picture.into_iter().fold(whole, Document::add), Document::add)
@@ -100,6 +135,8 @@ struct Sheet {
     /// North-west corner, local to the area.
     corner: DVec2,
     colouring: Colouring,
+    /// Whether settlements and roads are all there is.
+    region: bool,
 }
 
 /// How a stroke is drawn.
@@ -115,6 +152,11 @@ impl Sheet {
     fn place(&self, local: DVec2) -> DVec2 {
         let d = (local - self.corner) * self.scale;
         DVec2::new(d.x, -d.y)
+    }
+
+    /// The local point that lies at a pixel.
+    fn unplaced(&self, at: DVec2) -> DVec2 {
+        self.corner + DVec2::new(at.x, -at.y) / self.scale
     }
 
     fn placed(&self, line: &[DVec2]) -> Vec<DVec2> {
@@ -157,7 +199,7 @@ impl Sheet {
                 let offset = o.origin.offset_to(area.origin);
                 o.polygon.iter().map(|p| self.place(*p + offset)).collect()
             });
-            groups.push(fill(rings, "towns", "#e3d5c3", Some("#c2a98c")).set("fill-opacity", 0.85));
+            groups.push(fill(rings, "towns", "#dcc3a6", Some("#8d6f4f")).set("fill-opacity", 0.85));
         }
         for (used_as, id, colour) in [(BlockUse::Built, "blocks", "#ece6da"), (BlockUse::Park, "parks", "#bfdca6")] {
             let of = area.blocks.iter().filter(|b| b.it.used_as == used_as);
@@ -201,8 +243,7 @@ impl Sheet {
                     for tunnel in [true, false] {
                         let of = here().filter(|s| s.street.class == class && s.street.tunnel == tunnel);
                         let Some(pen) = self.pen(class, layer, tunnel) else { continue };
-                        // A bridge's casing ends square, and is darker.
-                        let bridge = Pen { width: pen.width + 1.6, colour: "#5f574c", cap: "butt", ..pen };
+                        let bridge = self.bridge_pen(pen);
                         let (over, plain): (Vec<_>, Vec<_>) =
                             of.partition(|s| s.street.bridge && layer == Layer::Casing);
                         group = self.stroke(group, over.into_iter().map(|s| &s.street), bridge);
@@ -221,10 +262,20 @@ impl Sheet {
         group
     }
 
+    /// A bridge's casing ends square, and is darker.
+    fn bridge_pen(&self, casing: Pen) -> Pen {
+        let wider = if self.region { 3.6 * self.longer / 1600.0 } else { 1.6 };
+        let colour = if self.region { "#221d18" } else { "#5f574c" };
+        Pen { width: casing.width + wider, colour, cap: "butt", ..casing }
+    }
+
     fn pen(&self, class: StreetClass, layer: Layer, tunnel: bool) -> Option<Pen> {
         use StreetClass::{Arterial, Highway, Local, Main, Major, Minor};
-        // Least width in pixels, colours of carriageway and casing.
+        // Least width in pixels, colours of carriageway and casing. From far off roads are drawn far wider than they are.
         let (least, inner, casing) = match class {
+            Highway if self.region => (4.6, "#e2683f", "#7d2a12"),
+            Major if self.region => (3.5, "#f6b545", "#86571a"),
+            Minor if self.region => (2.3, "#fff2a6", "#6f6338"),
             Highway => (2.4, "#f0a160", "#a4602b"),
             Major => (1.8, "#f7cf86", "#b3853b"),
             Minor => (1.2, "#fdf4cf", "#a99b74"),
@@ -232,8 +283,9 @@ impl Sheet {
             Main => (1.2, "#fff6d6", "#b9a678"),
             Local => (0.7, "#ffffff", "#b4aa9b"),
         };
+        let least = if self.region { least * self.longer / 1600.0 } else { least };
         let width = (class.carriageway() * self.scale).max(least);
-        let edge = (0.35 * self.scale).clamp(0.35, 1.2);
+        let edge = if self.region { 0.8 * self.longer / 1600.0 } else { (0.35 * self.scale).clamp(0.35, 1.2) };
         let (width, colour) = match layer {
             Layer::Pavement if self.scale < 0.4 || class.pavement() == 0.0 => return None,
             Layer::Pavement => (2.0 * class.half_width() * self.scale, "#ddd6c8"),
@@ -258,93 +310,6 @@ impl Sheet {
             group.add(if pen.dashed { path.set("stroke-dasharray", (4, 3)) } else { path })
         })
     }
-
-    /// A ring for each settlement that would be hardly seen at its size; villages first, so that cities lie on top.
-    fn symbols(&self, plan: &Plan<'_>) -> Group {
-        let mut group = Group::new().set("id", "symbols").set("fill", "#fffdf6").set("stroke", "#3c372f");
-        for size in SizeClass::ALL.into_iter().rev() {
-            let radius = symbol(size) * self.longer / 1600.0;
-            let small = |s: &&Arc<Settlement>| s.size == size && s.radius * self.scale < 1.3 * radius;
-            for settlement in plan.area.settlements.iter().filter(small) {
-                let at = self.place(plan.area.origin.to_local(settlement.centre.plan()));
-                let ring = Circle::new().set("cx", round(at.x)).set("cy", round(at.y)).set("r", round(radius));
-                group = group.add(ring.set("stroke-width", round(0.32 * radius)));
-            }
-        }
-        group
-    }
-
-    /// Names of settlements, the largest first; one that would lie on another is left out.
-    fn names(&self, plan: &Plan<'_>) -> Group {
-        let mut group = Group::new().set("id", "names");
-        // The scale bar's corner.
-        let mut taken = vec![Bounds::new(DVec2::new(0.0, 0.9), DVec2::new(0.25, 1.0))];
-        taken.iter_mut().for_each(|b| *b = Bounds::new(b.min * self.size, b.max * self.size));
-        let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
-        settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
-        for settlement in &settlements {
-            let height = self.longer / 1600.0
-                * match settlement.size {
-                    SizeClass::City => 19.0,
-                    SizeClass::Town => 14.0,
-                    SizeClass::Village => 10.0,
-                };
-            let (lines, width) = glyphs::write(&settlement.name.to_uppercase(), height);
-            let shown = settlement.radius * self.scale;
-            let radius = shown.max(symbol(settlement.size) * self.longer / 1600.0);
-            if settlement.size == SizeClass::Village && shown < 7.0 && settlements.len() > MANY {
-                continue;
-            }
-            // In the middle of a town that holds it, above one that does not.
-            let up = if width < radius { 0.0 } else { radius + height };
-            let centre = self.place(plan.area.origin.to_local(settlement.centre.plan())) - DVec2::Y * up;
-            let corner = centre + DVec2::new(-width, height) / 2.0;
-            let half = DVec2::new(width, height) / 2.0;
-            let around = Bounds::new(centre - half, centre + half);
-            let sheet = Bounds::new(DVec2::ZERO, self.size);
-            let around = around.grown(height / 2.0);
-            if sheet.encloses(around) && !taken.iter().any(|t| t.overlaps(around)) {
-                taken.push(around);
-                group = group.add(lettering(&settlement.name, &lines, corner, height));
-            }
-        }
-        group
-    }
-
-    /// A bar of a round length at the lower left, a legend of colours above it where they need one, and a frame.
-    fn scale_bar(&self) -> Group {
-        let unit = self.longer / 1600.0;
-        let metres = nice((self.size.x / self.scale / 6.0).max(1.0));
-        let (from, length) = (DVec2::new(40.0 * unit, self.size.y - 40.0 * unit), metres * self.scale);
-        let mut group = Group::new().set("id", "scale");
-        let box_of = |at: DVec2, size: DVec2| {
-            Rectangle::new().set("x", at.x).set("y", at.y).set("width", size.x).set("height", size.y)
-        };
-        for part in 0..4 {
-            let piece = box_of(
-                from + DVec2::new(length / 4.0 * f64::from(part), -6.0 * unit),
-                DVec2::new(length / 4.0, 6.0 * unit),
-            );
-            let fill = if part % 2 == 0 { "#3c372f" } else { "#ffffff" };
-            group = group.add(piece.set("fill", fill).set("stroke", "#3c372f").set("stroke-width", unit));
-        }
-        let label = if metres >= 1000.0 { format!("{} km", metres / 1000.0) } else { format!("{metres} m") };
-        let write = |text: &str, at: DVec2| {
-            let (lines, _) = glyphs::write(text, 13.0 * unit);
-            lettering(text, &lines, at, 13.0 * unit)
-        };
-        group = group.add(write(&label, from + DVec2::new(0.0, -16.0 * unit)));
-        if self.colouring == Colouring::Origin {
-            for (i, (name, colour)) in ORIGINS.iter().enumerate() {
-                let at = from - DVec2::new(0.0, (60.0 + 26.0 * i as f64) * unit);
-                group =
-                    group.add(box_of(at - DVec2::Y * 11.0 * unit, DVec2::new(28.0, 9.0) * unit).set("fill", *colour));
-                group = group.add(write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit));
-            }
-        }
-        let frame = box_of(DVec2::ZERO, self.size).set("fill", "none");
-        group.add(frame.set("stroke", "#5f574c").set("stroke-width", 2.0 * unit))
-    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -364,18 +329,6 @@ fn origin_name(made_by: Option<MadeBy>) -> &'static str {
         Some(MadeBy::Patch(_)) => "patch",
         Some(MadeBy::Growth) => "growth",
         Some(MadeBy::Repair) => "repair",
-    }
-}
-
-/// Maps with more settlements than this leave out the names of small villages.
-const MANY: usize = 120;
-
-/// Radius of the ring that stands for a settlement, on a map of 1600 pixels.
-fn symbol(size: SizeClass) -> f64 {
-    match size {
-        SizeClass::City => 6.5,
-        SizeClass::Town => 4.6,
-        SizeClass::Village => 2.9,
     }
 }
 
@@ -414,32 +367,6 @@ fn fill(rings: impl Iterator<Item = Vec<DVec2>>, id: &str, colour: &str, edge: O
     paths(rings, true).into_iter().fold(group, |group, data| group.add(Path::new().set("d", data)))
 }
 
-/// Strokes of a text with a pale halo; `corner` is the left end of its base line.
-fn lettering(text: &str, lines: &[Vec<DVec2>], corner: DVec2, height: f64) -> Group {
-    let mut data = String::new();
-    for line in lines {
-        let line: Vec<DVec2> = line.iter().map(|p| corner + DVec2::new(p.x, -p.y)).collect();
-        trace(&mut data, &line, false);
-    }
-    let group = Group::new().set("fill", "none").set("stroke-linecap", "round").set("stroke-linejoin", "round");
-    [("#fffdf6", 0.5, 0.8), ("#2f2b26", 0.14, 1.0)].into_iter().fold(
-        group.add(Title::new(text)),
-        |group, (colour, width, opacity)| {
-            let path = Path::new().set("d", data.as_str()).set("stroke", colour).set("stroke-opacity", opacity);
-            group.add(path.set("stroke-width", height * width))
-        },
-    )
-}
-
-/// The largest of 1, 2, 5, 10, 20, ... that is at most `x` (`x` at least 1).
-fn nice(x: f64) -> f64 {
-    let mut unit = 1.0;
-    while unit * 10.0 <= x {
-        unit *= 10.0;
-    }
-    [5.0, 2.0].into_iter().find(|m| unit * m <= x).map_or(unit, |m| unit * m)
-}
-
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
@@ -474,7 +401,7 @@ mod tests {
     #[test]
     fn the_drawing_has_every_street_once_in_each_of_its_layers() {
         let town = sample::town(DVec2::new(-5000.0, 77.0));
-        let text = write(&town.plan(), &MapStyle { pixels: 400, colouring: Colouring::Class }).unwrap();
+        let text = write(&town.plan(), &MapStyle { pixels: 400, ..MapStyle::default() }).unwrap();
         let pens = text.matches("stroke=\"#ffffff\"").count();
         assert!(pens >= 1 && text.contains("Sample &amp; Sons"), "{pens}");
         assert!(!text.contains("NaN") && !text.contains("inf"));

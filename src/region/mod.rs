@@ -17,5 +17,6 @@ pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEd
 pub use outline::{Outline, SharedBorder};
 pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
-    PerSize, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements, SizeClass,
+    PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements,
+    SizeClass,
 };

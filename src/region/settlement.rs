@@ -13,7 +13,7 @@ mod table;
 
 pub(super) use settings::RADII;
 pub use settings::{PerSize, SettlementSettings};
-pub use table::{SettlementRow, SettlementTable};
+pub use table::{Populations, SettlementRow, SettlementTable};
 
 use crate::layer::{LayerCache, LayerError, Reach, Weigh};
 use crate::region::border::Found;

@@ -1,5 +1,6 @@
 //! Commands and their flags.
 
+use bevy_sprawl::region::Populations;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec2;
 use std::ops::Range;
@@ -55,7 +56,7 @@ pub enum Command {
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
     /// Roads between given settlements on given ground
-    Roads(RoadsArgs),
+    Roads(Box<RoadsArgs>),
     /// Check or draw patch sets
     Patches(PatchesArgs),
 }
@@ -185,7 +186,7 @@ pub struct RoadsArgs {
     /// Heights: an ESRI ASCII grid (.asc), or a grey .png with --cell and --white
     #[arg(long, value_name = "FILE")]
     pub terrain: PathBuf,
-    /// Settlements: a CSV file with the columns name,x,y,sigma and perhaps radius_m
+    /// Settlements: a CSV file with the columns name,x,y,sigma (or population) and perhaps radius_m
     #[arg(long, value_name = "FILE")]
     pub settlements: PathBuf,
     /// File to write: .svg .png or .geojson
@@ -208,6 +209,30 @@ pub struct RoadsArgs {
     /// Height of cells without a number [default: such a file is refused]
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     pub fill: Option<f64>,
+    /// Depths of lakes and rivers in metres, 0 on land, or a mask of 0 and 1: a grid like that of the heights, though of any
+    /// cells, or a grey .png over all of the domain. Heights there are those of the water's surface
+    #[arg(long, value_name = "FILE")]
+    pub water: Option<PathBuf>,
+    /// Depth of white in a picture of water, in metres
+    #[arg(long, value_name = "M", default_value = "1", requires = "water", value_parser = number)]
+    pub water_white: f64,
+    /// Density of vegetation, 0 (bare) to 1 (dense wood): a grid like that of the heights, though of any cells, or a grey
+    /// .png over all of the domain
+    #[arg(long, value_name = "FILE")]
+    pub vegetation: Option<PathBuf>,
+    /// Inhabitants from which on a settlement is a town, and a city, where the table has them
+    #[arg(long, value_name = "T,C", default_value = "2000,20000", value_parser = populations)]
+    pub populations: Populations,
+    /// Real roads to compare with: .osm .osm.pbf (both with --geographic) or .geojson, in metres or degrees as the ground
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Which of the real roads: values of the tag highway, each with its `_link`
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "reference")]
+    #[arg(default_values = ["motorway", "trunk", "primary", "secondary", "tertiary"])]
+    pub reference_classes: Vec<String>,
+    /// Real roads on a map of their own beside that of these, not under them
+    #[arg(long, requires = "reference")]
+    pub compare: bool,
     /// South-west corner of a picture
     #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true, value_parser = point)]
     pub corner: DVec2,
@@ -266,6 +291,14 @@ fn point(text: &str) -> Result<DVec2, String> {
 fn gamma(text: &str) -> Result<f64, String> {
     let gamma = number(text)?;
     if gamma >= 1.01 { Ok(gamma) } else { Err("1.01 or more is allowed, or inf".into()) }
+}
+
+fn populations(text: &str) -> Result<Populations, String> {
+    let (town, city) =
+        text.split_once(',').ok_or("two numbers with a comma between them are needed, such as 2000,20000")?;
+    let both = Populations { town: number(town)?, city: number(city)? };
+    let rising = both.town >= 0.0 && both.town <= both.city && both.city.is_finite();
+    if rising { Ok(both) } else { Err("0 or more is allowed for a town, and no less for a city".into()) }
 }
 
 fn size(text: &str) -> Result<f64, String> {

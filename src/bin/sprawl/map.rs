@@ -71,13 +71,18 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             if region { export::region(&world, bounds, &Cancel::new())? } else { work::area(common, &world, bounds)? };
         let outlines = export::outlines(&world, &area)?;
         let terrain = world.terrain().clone();
-        let plan =
-            Plan { area: &area, outlines: &outlines, terrain: &*terrain, chunk_size: world.settings().chunk_size };
+        let plan = Plan {
+            area: &area,
+            outlines: &outlines,
+            terrain: &*terrain,
+            chunk_size: world.settings().chunk_size,
+            real: None,
+        };
         let colouring = match args.colour_by {
             ColourBy::Class => Colouring::Class,
             ColourBy::Origin => Colouring::Origin,
         };
-        let style = MapStyle { pixels: args.pixels, colouring };
+        let style = MapStyle { pixels: args.pixels, colouring, ..MapStyle::default() };
         work::pool(common)?.install(|| write(&plan, format, &style, args.everything, &mut file))?;
         for (key, count) in counts(&area) {
             report[key] = json!(count);

@@ -1,22 +1,26 @@
-//! `sprawl roads`: roads between given settlements on given ground.
+//! `sprawl roads`: roads between given settlements on given ground, and how they compare with real ones.
+
+mod compare;
+mod ground;
+mod reference;
+mod report;
 
 use crate::args::{Common, RoadsArgs};
 use crate::fail::Fail;
 use crate::map::{Format, Output, write};
 use crate::work;
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, Plan};
-use bevy_sprawl::layer::{FileError, RangeError, from_ron};
-use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::region::{
-    NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementId, SettlementTable,
-};
-use bevy_sprawl::space::{Bounds, Geographic};
-use bevy_sprawl::terrain::{Band, Holes, PngPlace, Raster, RasterTerrain};
+use bevy_sprawl::export::{self, ExportError, Plan, png, svg};
+use bevy_sprawl::layer::{FileError, from_ron};
+use bevy_sprawl::region::{NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementTable};
+use bevy_sprawl::space::Bounds;
+use bevy_sprawl::terrain::RasterTerrain;
 use bevy_sprawl::world::Settings;
+use compare::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
 use ron::Value;
-use serde_json::{Value as Json, json};
+use serde_json::json;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,74 +38,73 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         None => None,
     };
     let settings = file.as_ref().map_or_else(Settings::default, |f| f.settings.clone());
-    let raster = raster(args)?;
-    let geographic =
-        if args.geographic { Some(raster.geographic().map_err(|e| Fail::file(&args.terrain, e))?) } else { None };
-    let (terrain, cell) = terrain(args, raster, geographic.as_ref())?;
+    let ground::Land { terrain, cell, geographic } = ground::read(args)?;
     let domain = terrain.bounds();
     let table = {
         let content = std::fs::read(&args.settlements).map_err(|e| Fail::file(&args.settlements, e))?;
         let name = args.settlements.to_string_lossy();
-        SettlementTable::from_csv(&name, &content, &settings.settlements, geographic.as_ref())?
+        let (places, sizes) = (geographic.as_ref(), &args.populations);
+        SettlementTable::from_csv_by(&name, &content, &settings.settlements, places, sizes)?
     };
     table.check_inside(domain)?;
     let settlements: Vec<Settlement> = table.settlements().cloned().collect();
     let given = file.as_ref().and_then(|f| f.step());
     let step = args.step.or(given).unwrap_or_else(|| usual_step(domain, cell, &settlements));
     let roads = roads(file.as_ref(), step, args.gamma)?;
+    let real = match &args.reference {
+        Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref())?),
+        None => None,
+    };
     let mut out = Output::create(&args.output)?;
     let read = start.elapsed();
 
     let terrain = Arc::new(terrain);
     let network = build(common, domain, terrain.clone(), &settlements, &roads).map_err(|e| refuse(e, &table, args))?;
     let built = start.elapsed();
+    let compared = real.as_ref().map(|real| Comparison::new(&network, real));
     let area = export::network(&network, settings.chunk_size);
-    let plan = Plan { area: &area, outlines: &network.outlines, terrain: &*terrain, chunk_size: settings.chunk_size };
-    let style = MapStyle { pixels: args.pixels, ..MapStyle::default() };
-    work::pool(common)?.install(|| write(&plan, format, &style, false, &mut out))?;
+    let real = real.map(|real| export::lines(domain, real, settings.chunk_size));
+    let plan = Plan {
+        area: &area,
+        outlines: &network.outlines,
+        terrain: &*terrain,
+        chunk_size: settings.chunk_size,
+        real: real.as_ref(),
+    };
+    let style = MapStyle { pixels: args.pixels, legend: true, ..MapStyle::default() };
+    work::pool(common)?.install(|| draw(&plan, format, &style, args.compare, &mut out))?;
     let bytes = out.finish()?;
     let ms = |t: std::time::Duration| (t.as_secs_f64() * 1e4).round() / 10.0;
-    let mut report = report(&network);
+    let mut report = report::json(&network);
     report["file"] = json!(args.output.to_string_lossy());
     report["bytes"] = json!(bytes);
     report["step_m"] = json!(step);
     report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
-    work::print(common, &report, &people(&network, &report))
-}
-
-fn raster(args: &RoadsArgs) -> Result<Raster, Fail> {
-    let name = args.terrain.to_string_lossy();
-    let content = std::fs::read(&args.terrain).map_err(|e| Fail::file(&args.terrain, e))?;
-    match args.terrain.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
-        Some("asc") => {
-            let holes = args.fill.map_or(Holes::Refuse, Holes::Value);
-            Ok(Raster::from_ascii(&name, &content, Band::Height, holes)?)
-        }
-        Some("png") => {
-            let (Some(cell), Some(white)) = (args.cell, args.white) else {
-                return Err(Fail::file(
-                    &args.terrain,
-                    "a picture needs --cell and --white: the edge of a pixel, and the height of white",
-                ));
-            };
-            let place = PngPlace { corner: args.corner, step: glam::DVec2::splat(cell), black: args.black, white };
-            Ok(Raster::from_png(&name, &content, Band::Height, place)?)
-        }
-        _ => Err(Fail::file(&args.terrain, "unknown kind of file; the name must end in .asc .png")),
+    let mut people = report::people(&network, &report);
+    if let (Some(compared), Some(path)) = (compared, &args.reference) {
+        report["reference"] = compared.json();
+        report["reference"]["file"] = json!(path.to_string_lossy());
+        people += &compared.people();
     }
+    work::print(common, &report, &people)
 }
 
-/// The ground, and the edge of its cells in metres where that is fit for a lattice.
-fn terrain(args: &RoadsArgs, raster: Raster, geographic: Option<&Geographic>) -> Result<(RasterTerrain, f64), Fail> {
-    let wrong = |e: RangeError| Fail::file(&args.terrain, e);
-    let raster = geographic.map_or_else(|| raster.clone(), |g| raster.clone().projected(g));
-    let cell = if args.cell.is_some() { 0.0 } else { raster.step().max_element() };
-    let terrain = RasterTerrain::new(raster).map_err(wrong)?;
-    let terrain = match args.sea_level {
-        Some(level) => terrain.with_sea_level(level).map_err(|e| Fail::input(format!("--sea-level: {e}")))?,
-        None => terrain,
+/// Writes the file: real roads under these, or on a map of their own beside that of these.
+fn draw(plan: &Plan<'_>, format: Format, style: &MapStyle, beside: bool, out: &mut Output) -> Result<(), ExportError> {
+    let (true, Some(real)) = (beside && format != Format::GeoJson, plan.real) else {
+        return write(plan, format, style, false, out);
     };
-    Ok((terrain, cell))
+    let mut theirs = real.clone();
+    theirs.settlements.clone_from(&plan.area.settlements);
+    let left = Plan { area: &theirs, outlines: &[], real: None, ..*plan };
+    let right = Plan { real: None, ..*plan };
+    let [first, second] = ["real roads", "these roads"].map(|title| MapStyle { title, ..*style });
+    let pair = [(&left, &first), (&right, &second)];
+    match format {
+        Format::Svg => out.write_all(svg::write_pair(pair)?.as_bytes())?,
+        _ => out.write_all(&png::write_pair(pair)?)?,
+    }
+    Ok(())
 }
 
 /// The step that fits a raster, a domain and its settlements.
@@ -226,75 +229,4 @@ fn refuse(error: NetworkError, table: &SettlementTable, args: &RoadsArgs) -> Fai
         NetworkError::Range(e) => Fail::file(&args.terrain, e),
         NetworkError::Layer(e) => e.into(),
     }
-}
-
-fn hex(id: u64) -> String {
-    format!("{id:016x}")
-}
-
-fn report(network: &RoadNetwork) -> Json {
-    let of = |class: StreetClass| {
-        let links: Vec<_> = network.links.iter().filter(|l| l.class == class).collect();
-        let pieces = network.roads.iter().filter(|r| r.street.class == class);
-        json!({
-            "roads": links.len(),
-            "length_m": pieces.fold(0.0, |sum, r| sum + r.street.length()),
-            "cost": links.iter().fold(0.0, |sum, l| sum + l.cost),
-        })
-    };
-    let classes = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor];
-    json!({
-        "settlements": network.settlements.iter().map(|s| {
-            let at = s.centre.plan();
-            json!({
-                "id": hex(s.id.0), "x": at.x, "y": at.y, "radius_m": s.radius, "sigma": s.size as u8, "name": s.name,
-            })
-        }).collect::<Vec<_>>(),
-        "roads": network.links.iter().map(|l| json!({
-            "id": hex(l.id.0), "from": hex(l.from.0), "to": hex(l.to.0), "class": l.class.name(),
-            "length_m": l.length_m, "cost": l.cost, "bridges": l.bridges, "tunnels": l.tunnels,
-        })).collect::<Vec<_>>(),
-        "totals": {
-            "settlements": network.settlements.len(),
-            "roads": network.links.len(),
-            "pieces": network.roads.len(),
-            "junctions": network.junctions(bevy_sprawl::space::Origin::at(network.domain.centre())).len(),
-            "length_m": network.length(),
-            "bridges": network.links.iter().map(|l| l.bridges).sum::<usize>(),
-            "tunnels": network.links.iter().map(|l| l.tunnels).sum::<usize>(),
-            "classes": classes.into_iter().map(|c| (c.name().to_owned(), of(c))).collect::<serde_json::Map<_, _>>(),
-        },
-        "unreached": network.unreached.iter().map(|id| name(network, *id)).collect::<Vec<_>>(),
-    })
-}
-
-fn name(network: &RoadNetwork, id: SettlementId) -> String {
-    let found = network.settlements.iter().find(|s| s.id == id);
-    found.map_or_else(|| hex(id.0), |s| s.name.clone())
-}
-
-fn people(network: &RoadNetwork, report: &Json) -> String {
-    let totals = &report["totals"];
-    let km = |v: &Json| v.as_f64().unwrap_or(0.0) / 1000.0;
-    let classes = ["highway", "major", "minor"].map(|c| {
-        let of = &totals["classes"][c];
-        format!("{} {c} ({:.0} km)", of["roads"], km(&of["length_m"]))
-    });
-    let ms = |key: &str| report["timing_ms"][key].as_f64().unwrap_or(0.0) / 1000.0;
-    let mut out = format!(
-        "{}: {} settlements, {} roads of {:.0} km: {} ({:.2} s; reading {:.2} s, drawing {:.2} s)",
-        report["file"].as_str().unwrap_or_default(),
-        network.settlements.len(),
-        network.links.len(),
-        km(&totals["length_m"]),
-        classes.join(", "),
-        ms("build"),
-        ms("read"),
-        ms("write"),
-    );
-    if !network.unreached.is_empty() {
-        let names: Vec<String> = network.unreached.iter().map(|id| name(network, *id)).collect();
-        out += &format!("\nno road leads to {}", names.join(", "));
-    }
-    out
 }

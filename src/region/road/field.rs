@@ -23,6 +23,8 @@ const CLEARANCE: f64 = 8.0;
 const SCRAPE: f64 = 2.0;
 /// Share of the steepest slope from which on a bridge or tunnel is tried instead.
 const DEAR: f64 = 0.7;
+/// Steepest slope of a bridge or tunnel, whatever that of roads is.
+const STEEPEST_SPAN: f64 = 0.2;
 /// Most bridges and tunnels that are tried from one node in one direction.
 const MOST_HOPS: usize = 4;
 /// Spacing in metres of the variation of the ground that the terrain does not know.
@@ -317,7 +319,7 @@ impl<'a> Field<'a> {
                 length as f32
             } else {
                 let (ga, gb) = (self.ground(a)?, self.ground(b)?);
-                let steep = f64::from((ga.surface - gb.surface).abs()) > DEAR * self.t.slope_limit * length;
+                let steep = f64::from((ga.surface - gb.surface).abs()) > DEAR * self.steepest_span() * length;
                 for (slot, bit, far) in [(a, bit, gb), (b, back, ga)] {
                     if steep || far.depth > 0.0 {
                         self.bad[slot] |= bit;
@@ -408,6 +410,10 @@ impl<'a> Field<'a> {
         Ok(self.bad[slot] >> heading & 1 == 1)
     }
 
+    fn steepest_span(&self) -> f64 {
+        self.t.slope_limit.min(STEEPEST_SPAN)
+    }
+
     /// Bridges and tunnels that begin one edge along a heading.
     pub fn hops(&mut self, slot: usize, heading: usize) -> Result<&[Hop], LayerError> {
         if self.tried[slot] >> heading & 1 == 0 {
@@ -473,7 +479,7 @@ impl<'a> Field<'a> {
     /// What a bridge or tunnel between two dry nodes costs without what it adds to a plain road; `None` if it is too steep.
     fn plain_span(&mut self, a: usize, b: usize, length: f64) -> Result<Option<f64>, LayerError> {
         let grade = f64::from((self.ground(a)?.surface - self.ground(b)?.surface).abs()) / length;
-        if grade > self.t.slope_limit {
+        if grade > self.steepest_span() {
             return Ok(None);
         }
         let steep = grade / self.t.slope_limit;

@@ -209,7 +209,7 @@ impl Work {
         let (found, refused) = way_points::standing(&edits.way_points, &*terrain, &*places, step);
         let (points, indices): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let everywhere = Bounds::new(DVec2::NEG_INFINITY, DVec2::INFINITY);
-        let nodes = node::Nodes::new(&points, everywhere, &*terrain, (step, way_points::BENT));
+        let nodes = node::Nodes::new(&points, everywhere, &*terrain, step);
         let places = way_points::among(places, &points);
         let mut control = control::Control::new(edits, settings, &*terrain, &*places);
         control.rejected.extend(refused);

@@ -20,6 +20,9 @@ const FARTHEST: i64 = 3;
 /// Greatest shift of a node in steps along each axis: alone, and beside another that is shifted. With these nothing folds:
 /// the determinant of the map is 1 less at most 0.99.
 const SHIFT: (f64, f64) = (0.5, 0.12);
+/// How far the plane is bent around a node along each axis, in steps: with room, so that roads come to it without a hook,
+/// and without. With room no disc, border or other bend is as near.
+const BENT: (i64, i64) = (2, 1);
 /// Segments of roads that are bent, in steps.
 const FINE: f64 = 0.125;
 
@@ -28,23 +31,15 @@ const FINE: f64 = 0.125;
 pub(super) struct Nodes {
     of: BTreeMap<SettlementId, I64Vec2>,
     at: BTreeMap<[i64; 2], SettlementId>,
-    /// How far the node at a place is shifted, in metres.
-    shift: BTreeMap<[i64; 2], DVec2>,
+    /// How far the node at a place is shifted, in metres, and how far around it the plane is bent, in steps.
+    shift: BTreeMap<[i64; 2], (DVec2, i64)>,
     step: i64,
-    /// How far around a node the plane is bent, in steps along each axis.
-    room: i64,
 }
 
 impl Nodes {
-    /// A node for each of some settlements, which are sorted by id: the nearest dry one in the domain that is free, in turn. The
-    /// plane is bent up to `room` steps around each along each axis; with 2, nodes are 2 or more apart.
-    pub fn new(
-        settlements: &[Arc<Settlement>],
-        domain: Bounds,
-        terrain: &dyn Terrain,
-        (step, room): (i64, i64),
-    ) -> Self {
-        let mut out = Self { step, room, ..Self::default() };
+    /// A node for each of some settlements, which are sorted by id: the nearest dry one in the domain that is free, in turn.
+    pub fn new(settlements: &[Arc<Settlement>], domain: Bounds, terrain: &dyn Terrain, step: i64) -> Self {
+        let mut out = Self { step, ..Self::default() };
         for s in settlements {
             let free = |n: I64Vec2| !out.at.contains_key(&n.to_array()) && domain.contains(node_at(n, step));
             let nearest = |dry: bool| {
@@ -58,11 +53,18 @@ impl Nodes {
         }
         for s in settlements {
             let Some(node) = out.of.get(&s.id).copied() else { continue };
-            let beside = |n: I64Vec2| n != node && (n - node).abs().max_element() == 1;
-            let alone = !around(node).any(|n| beside(n) && out.at.contains_key(&n.to_array()));
-            let most = step as f64 * if alone { SHIFT.0 } else { SHIFT.1 };
-            let shift = s.centre.offset_to(Origin(node * step));
-            out.shift.insert(node.to_array(), shift.clamp(DVec2::splat(-most), DVec2::splat(most)));
+            let others = |within: i64| {
+                let beside = |n: &[i64; 2]| (I64Vec2::from_array(*n) - node).abs().max_element() < within;
+                let rows = [node.x - within + 1, i64::MIN]..=[node.x + within - 1, i64::MAX];
+                out.at.range(rows).any(|(n, other)| *other != s.id && beside(n))
+            };
+            let most = step as f64 * if others(2) { SHIFT.1 } else { SHIFT.0 };
+            let off = s.centre.offset_to(Origin(node * step));
+            let shift = off.clamp(DVec2::splat(-most), DVec2::splat(most));
+            let margin = (BENT.0 * step) as f64;
+            let inside = domain.grown(-margin).contains(node_at(node, step));
+            let room = inside && shift == off && !others(2 * BENT.0);
+            out.shift.insert(node.to_array(), (shift, if room { BENT.0 } else { BENT.1 }));
         }
         out
     }
@@ -90,11 +92,11 @@ impl Nodes {
         let (base, p) = self.local(origin, p);
         let first = (p / self.step as f64).floor().as_i64vec2();
         // In the same order from any origin, for sums of floats depend on it.
-        let side = 2 * self.room;
-        let near = (0..side * side).map(|i| first + 1 - self.room + I64Vec2::new(i % side, i / side));
+        let side = 2 * BENT.0;
+        let near = (0..side * side).map(|i| first + 1 - BENT.0 + I64Vec2::new(i % side, i / side));
         let all = near.fold(DVec2::ZERO, |out, node| match self.shift.get(&(base + node).to_array()) {
-            Some(shift) => {
-                let off = (p - node_at(node, self.step)) / (self.step * self.room) as f64;
+            Some((shift, reach)) => {
+                let off = (p - node_at(node, self.step)) / (self.step * reach) as f64;
                 out + *shift * bump(off.x) * bump(off.y)
             }
             None => out,
@@ -112,8 +114,8 @@ impl Nodes {
     fn touches(&self, origin: Origin, a: DVec2, b: DVec2) -> bool {
         let step = self.step as f64;
         let ((base, a), (_, b)) = (self.local(origin, a), self.local(origin, b));
-        let low = (a.min(b) / step).floor().as_i64vec2() + base + 1 - self.room;
-        let high = (a.max(b) / step).floor().as_i64vec2() + base + self.room;
+        let low = (a.min(b) / step).floor().as_i64vec2() + base + 1 - BENT.0;
+        let high = (a.max(b) / step).floor().as_i64vec2() + base + BENT.0;
         (low.x..=high.x).any(|x| (low.y..=high.y).any(|y| self.shift.contains_key(&[x, y])))
     }
 

@@ -19,8 +19,6 @@ use std::sync::Arc;
 const WORD: u64 = 0x0077_6179;
 /// Least distance from outlines and other way points, in steps of the lattice: gates and ties reach two steps out.
 const ROOM: f64 = 4.0;
-/// How far around a way point roads are bent to it, in steps: outlines and other way points have more room.
-pub(super) const BENT: i64 = 2;
 /// A point at most so many metres from a way point names it.
 pub(super) const NAMED: f64 = 100.0;
 

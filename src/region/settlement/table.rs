@@ -13,6 +13,36 @@ use std::fmt::Display;
 const FARTHEST: f64 = 1e10;
 /// Bytes that a name may have.
 const LONGEST_NAME: usize = 200;
+/// Inhabitants that a settlement may have.
+const INHABITANTS: (f64, f64) = (0.0, 1e8);
+
+/// What makes a size class of a number of inhabitants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Populations {
+    /// Inhabitants from which on a settlement is a town.
+    pub town: f64,
+    /// Inhabitants from which on it is a city.
+    pub city: f64,
+}
+
+impl Default for Populations {
+    /// A town from 2,000 inhabitants on, a city from 20,000.
+    fn default() -> Self {
+        Self { town: 2_000.0, city: 20_000.0 }
+    }
+}
+
+impl Populations {
+    fn class(&self, inhabitants: f64) -> SizeClass {
+        if inhabitants >= self.city {
+            SizeClass::City
+        } else if inhabitants >= self.town {
+            SizeClass::Town
+        } else {
+            SizeClass::Village
+        }
+    }
+}
 
 /// A settlement and where its file has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +72,7 @@ impl SettlementTable {
     /// | `name` | unlike all others |
     /// | `x`, `y` | centre in plan metres, rounded to whole ones; with `geographic`, longitude and latitude in degrees, then also called `lon`, `lat` |
     /// | `sigma` | size class: 0 village, 1 town, 2 city |
+    /// | `population` | in place of `sigma`: inhabitants, 0 to 100,000,000, of which [`Populations`] make a size class |
     /// | `radius_m` | need not be there, may be empty: radius in metres, 120 to 5,000 |
     ///
     /// Where no radius is given it is the middle of the range that `settings` have for the size class; the style is the first
@@ -53,6 +84,17 @@ impl SettlementTable {
         settings: &SettlementSettings,
         geographic: Option<&Geographic>,
     ) -> Result<Self, FileError> {
+        Self::from_csv_by(file, content, settings, geographic, &Populations::default())
+    }
+
+    /// The same, with size classes that are not the default for a column of inhabitants.
+    pub fn from_csv_by(
+        file: &str,
+        content: &[u8],
+        settings: &SettlementSettings,
+        geographic: Option<&Geographic>,
+        populations: &Populations,
+    ) -> Result<Self, FileError> {
         let records = Records { file, content };
         let mut lines = records.read()?.into_iter();
         let head =
@@ -62,7 +104,7 @@ impl SettlementTable {
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
         let mut places = BTreeMap::new();
         for fields in lines {
-            let row = columns.row(&records, &fields, settings, geographic)?;
+            let row = columns.row(&records, &fields, settings, geographic, populations)?;
             let again = |what: &str, of: usize, at: usize| {
                 let first = rows.get(of).map_or(0, |r| r.line);
                 records.error(at, format!("{what} of line {first} again; allowed is each once"))
@@ -181,17 +223,33 @@ struct Columns {
     name: usize,
     x: usize,
     y: usize,
-    sigma: usize,
+    size: Size,
     radius: Option<usize>,
+}
+
+/// The column that tells a settlement's size.
+#[derive(Clone, Copy)]
+enum Size {
+    Sigma(usize),
+    Population(usize),
 }
 
 impl Columns {
     fn new(records: &Records<'_>, head: &[Field], degrees: bool) -> Result<Self, FileError> {
         let known: &[(&str, usize)] = match degrees {
-            true => &[("name", 0), ("x", 1), ("lon", 1), ("y", 2), ("lat", 2), ("sigma", 3), ("radius_m", 4)],
-            false => &[("name", 0), ("x", 1), ("y", 2), ("sigma", 3), ("radius_m", 4)],
+            true => &[
+                ("name", 0),
+                ("x", 1),
+                ("lon", 1),
+                ("y", 2),
+                ("lat", 2),
+                ("sigma", 3),
+                ("radius_m", 4),
+                ("population", 5),
+            ],
+            false => &[("name", 0), ("x", 1), ("y", 2), ("sigma", 3), ("radius_m", 4), ("population", 5)],
         };
-        let mut found = [None; 5];
+        let mut found = [None; 6];
         for (i, field) in head.iter().enumerate() {
             let Some((name, which)) = known.iter().find(|(name, _)| field.text.eq_ignore_ascii_case(name)) else {
                 let names: Vec<&str> = known.iter().map(|k| k.0).collect();
@@ -209,8 +267,20 @@ impl Columns {
                 records.error(head.first().map_or(0, |f| f.at), format!("the column {name} is missing"))
             })
         };
+        let size = match (found[3], found[5]) {
+            (Some(_), Some(population)) => {
+                let reason = "population is given besides sigma; allowed is one of them";
+                return Err(records.error(head[population].at, reason));
+            }
+            (Some(sigma), None) => Size::Sigma(sigma),
+            (None, Some(population)) => Size::Population(population),
+            (None, None) => {
+                let at = head.first().map_or(0, |f| f.at);
+                return Err(records.error(at, "the column sigma, or population in its place, is missing"));
+            }
+        };
         let names = head.iter().map(|f| f.text.clone()).collect();
-        Ok(Self { names, name: need(0)?, x: need(1)?, y: need(2)?, sigma: need(3)?, radius: found[4] })
+        Ok(Self { names, name: need(0)?, x: need(1)?, y: need(2)?, size, radius: found[4] })
     }
 
     fn row(
@@ -219,6 +289,7 @@ impl Columns {
         fields: &[Field],
         settings: &SettlementSettings,
         geographic: Option<&Geographic>,
+        populations: &Populations,
     ) -> Result<SettlementRow, FileError> {
         let (has, needs) = (fields.len(), self.names.len());
         if has != needs {
@@ -243,15 +314,18 @@ impl Columns {
             let reason = format!("name is {quoted}; allowed are 1 to {LONGEST_NAME} bytes on one line");
             return Err(wrong(self.name, &reason));
         }
-        let size = match fields[self.sigma].text.as_str() {
-            "0" => SizeClass::Village,
-            "1" => SizeClass::Town,
-            "2" => SizeClass::City,
-            other => {
-                let other = quoted(other.as_bytes());
-                let reason = format!("sigma is {other}; allowed is 0 (village), 1 (town) or 2 (city)");
-                return Err(wrong(self.sigma, &reason));
-            }
+        let size = match self.size {
+            Size::Population(column) => populations.class(number(column, INHABITANTS)?),
+            Size::Sigma(column) => match fields[column].text.as_str() {
+                "0" => SizeClass::Village,
+                "1" => SizeClass::Town,
+                "2" => SizeClass::City,
+                other => {
+                    let other = quoted(other.as_bytes());
+                    let reason = format!("sigma is {other}; allowed is 0 (village), 1 (town) or 2 (city)");
+                    return Err(wrong(column, &reason));
+                }
+            },
         };
         let (wide, high) = match geographic {
             Some(_) => ((-180.0, 360.0), (-90.0, 90.0)),

@@ -278,7 +278,7 @@ fn new_work(
 ) -> Work {
     let places = Arc::new(Listed::new(all, settings.step, nodes));
     let small: Vec<Arc<Settlement>> = places.all.iter().filter(|s| places.is_node(s.id)).cloned().collect();
-    let nodes = Nodes::new(&small, domain, &*terrain, (settings.step, 1));
+    let nodes = Nodes::new(&small, domain, &*terrain, settings.step);
     let finite = Some(Finite { bounds: domain, places: places.clone(), courses: Default::default() });
     Work { nodes, finite, ..Work::new(settings, terrain, places, BYTES) }
 }

@@ -17,7 +17,8 @@ impl RoadSettings {
     /// Settings for a [`RoadNetwork`](crate::region::RoadNetwork) on a lattice of `step` metres. They differ from the
     /// default so that no settlement is left out where land leads to it: every pair is a candidate, ways are searched on the
     /// lattice itself, a road may cost 40 times its beeline, slopes beyond the usual limit have the cost that the
-    /// square of the slope gives them, and lengths that depend on the lattice grow with it.
+    /// square of the slope gives them, and lengths that depend on the lattice grow with it. Bridges and tunnels are tried where
+    /// the ground is steeper than 0.14, and are no steeper than 0.2.
     pub fn finite(step: i64) -> Self {
         let steps = step as f64;
         let tier = |t: TierSettings| TierSettings {

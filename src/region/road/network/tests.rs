@@ -214,10 +214,12 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
     }
     for (n, (i, a, b)) in lines.iter().enumerate() {
         for (j, c, d) in &lines[n + 1..] {
+            let (r, s) = (&network.roads[*i].street, &network.roads[*j].street);
+            // Over a bridge's deck or a tunnel's ground others may pass.
             if i != j
+                && r.level == s.level
                 && let Some(x) = segment_crossing(*a, *b, *c, *d)
             {
-                let (r, s) = (&network.roads[*i].street, &network.roads[*j].street);
                 let shared = [r.from, r.to].iter().any(|id| (*id == s.from || *id == s.to) && at(*id) == x.at);
                 assert!(shared, "{:?} and {:?} meet at {}", r.id, s.id, origin.to_plan(x.at));
             }
@@ -252,6 +254,34 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
     }
     assert!(group.iter().all(|g| *g == group[0]));
     exact
+}
+
+/// A ridge from north to south, at x = 0.
+struct Ridge;
+
+impl Terrain for Ridge {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        let height = 240.0 * math::exp(-(p.x / 260.0) * (p.x / 260.0));
+        TerrainSample { height, water_level: -100.0, vegetation: 0.0 }
+    }
+}
+
+#[test]
+fn under_a_steep_ridge_leads_a_tunnel_where_one_is_allowed() {
+    let domain = Bounds::square(DVec2::ZERO, 9_000.0);
+    let town = |i, x: f64| settlement(i, DVec2::new(x, 300.0), SizeClass::Town, 200.0);
+    let all = [town(0, -2_500.0), town(1, 2_600.0)];
+    let mut settings = RoadSettings::finite(150);
+    let tunnels = |settings: &RoadSettings| {
+        let network = RoadNetwork::build(domain, Arc::new(Ridge), &all, settings).unwrap();
+        assert_eq!(network.links.len(), 1);
+        assert_eq!(network.links[0].tunnels, network.roads.iter().filter(|r| r.street.tunnel).count());
+        network.links[0].tunnels
+    };
+    settings.major.tunnel_limit = 0.0;
+    assert_eq!(tunnels(&settings), 0);
+    settings.major.tunnel_limit = 2_000.0;
+    assert_eq!(tunnels(&settings), 1);
 }
 
 #[test]

@@ -41,9 +41,9 @@ fn errors_say_where_and_what() {
     for (found, expected) in [
         (read("").unwrap_err().to_string(), "s.csv:1:1: the file is empty"),
         (read("name,x,y,sigma\n\n").unwrap_err().to_string(), "s.csv:3:1: no settlement follows"),
-        (change("sigma", "size"), "s.csv:1:10: \"size\" is no column; columns are name x y sigma radius_m"),
+        (change("sigma", "size"), "s.csv:1:10: \"size\" is no column; columns are name x y sigma radius_m population"),
         (change("radius_m", "y"), "s.csv:1:16: y is a second column"),
-        (change("sigma,radius_m", "radius_m"), "s.csv:1:1: the column sigma is missing"),
+        (change("sigma,radius_m", "radius_m"), "s.csv:1:1: the column sigma, or population in its place, is missing"),
         (change(",5,", ","), "s.csv:3:1: this line has 4 fields; allowed is one for each of 5 columns"),
         (change(",5,", ",5,6,"), "s.csv:3:17: this line has 6 fields"),
         (change(",5,", ",five,"), "s.csv:3:9: x is \"five\"; allowed is a number"),
@@ -65,6 +65,26 @@ fn errors_say_where_and_what() {
     assert!(last.starts_with("s.csv:2:9: y is \"\""), "{last}");
     let latin = SettlementTable::from_csv("s.csv", b"name,x,y,sigma\n\xcele,0,0,1", &Default::default(), None);
     assert_eq!(latin.unwrap_err().to_string(), "s.csv:2:1: not UTF-8; allowed is text in UTF-8");
+}
+
+#[test]
+fn inhabitants_make_size_classes() {
+    let file = "name,x,y,population\nA,0,0,1999\nB,9,0,2000\nC,0,9,19999.5\nD,9,9,20000\n";
+    let sizes = |table: SettlementTable| table.rows.iter().map(|r| r.settlement.size as u8).collect::<Vec<_>>();
+    assert_eq!(sizes(read(file).unwrap()), [0, 1, 1, 2]);
+    let few = Populations { town: 0.0, city: 2_000.0 };
+    let by = SettlementTable::from_csv_by("s.csv", file.as_bytes(), &Default::default(), None, &few);
+    assert_eq!(sizes(by.unwrap()), [1, 2, 2, 2]);
+    let change = |from: &str, to: &str| read(&file.replacen(from, to, 1)).unwrap_err().to_string();
+    for (found, expected) in [
+        (change("2000\n", "\n"), "s.csv:3:7: population is \"\"; allowed is a number, 0 to 100000000"),
+        (change("2000\n", "2 000\n"), "s.csv:3:7: population is \"2 000\"; allowed is a number"),
+        (change("2000\n", "-1\n"), "s.csv:3:7: population is -1; allowed is 0 to 100000000"),
+        (change("2000\n", "nan\n"), "s.csv:3:7: population is NaN"),
+        (change("x", "sigma"), "s.csv:1:14: population is given besides sigma; allowed is one of them"),
+    ] {
+        assert!(found.starts_with(expected), "{found}\n{expected}");
+    }
 }
 
 #[test]

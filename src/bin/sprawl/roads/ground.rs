@@ -1,0 +1,84 @@
+//! The ground that `sprawl roads` reads: heights, and where there are any, water and vegetation.
+
+use crate::args::RoadsArgs;
+use crate::fail::Fail;
+use bevy_sprawl::layer::RangeError;
+use bevy_sprawl::space::{Bounds, Geographic};
+use bevy_sprawl::terrain::{Band, Holes, PngPlace, Raster, RasterTerrain};
+use glam::DVec2;
+use std::path::Path;
+
+/// What a terrain and its table are read with.
+pub struct Land {
+    pub terrain: RasterTerrain,
+    /// The edge of the cells in metres where that is fit for a lattice, else 0.
+    pub cell: f64,
+    /// Makes plan metres of degrees.
+    pub geographic: Option<Geographic>,
+}
+
+/// Reads all rasters.
+pub fn read(args: &RoadsArgs) -> Result<Land, Fail> {
+    let heights = heights(args)?;
+    // In metres or degrees.
+    let bounds = heights.bounds();
+    let geographic =
+        if args.geographic { Some(heights.geographic().map_err(|e| Fail::file(&args.terrain, e))?) } else { None };
+    let placed = |raster: Raster| match &geographic {
+        Some(geographic) => raster.projected(geographic),
+        None => raster,
+    };
+    let heights = placed(heights);
+    let cell = if args.cell.is_some() { 0.0 } else { heights.step().max_element() };
+    let mut terrain = RasterTerrain::new(heights).map_err(|e| Fail::file(&args.terrain, e))?;
+    if let Some(level) = args.sea_level {
+        terrain = terrain.with_sea_level(level).map_err(|e| Fail::input(format!("--sea-level: {e}")))?;
+    }
+    if let Some(path) = &args.water {
+        let wrong = |e: RangeError| Fail::file(path, e);
+        let raster = placed(raster(path, Band::Depth, Holes::Refuse, || whole(path, bounds, args.water_white))?);
+        terrain = terrain.with_water_depth(raster).map_err(wrong)?;
+    }
+    if let Some(path) = &args.vegetation {
+        let wrong = |e: RangeError| Fail::file(path, e);
+        let raster = placed(raster(path, Band::Vegetation, Holes::Refuse, || whole(path, bounds, 1.0))?);
+        terrain = terrain.with_vegetation(raster).map_err(wrong)?;
+    }
+    Ok(Land { terrain, cell, geographic })
+}
+
+fn heights(args: &RoadsArgs) -> Result<Raster, Fail> {
+    raster(&args.terrain, Band::Height, args.fill.map_or(Holes::Refuse, Holes::Value), || {
+        let (Some(cell), Some(white)) = (args.cell, args.white) else {
+            let needed = "a picture needs --cell and --white: the edge of a pixel, and the height of white";
+            return Err(Fail::file(&args.terrain, needed));
+        };
+        Ok(PngPlace { corner: args.corner, step: DVec2::splat(cell), black: args.black, white })
+    })
+}
+
+/// Reads a raster of any format; `place` says where a picture lies and what its grey means.
+fn raster(
+    path: &Path,
+    band: Band,
+    holes: Holes,
+    place: impl FnOnce() -> Result<PngPlace, Fail>,
+) -> Result<Raster, Fail> {
+    let name = path.to_string_lossy();
+    let content = std::fs::read(path).map_err(|e| Fail::file(path, e))?;
+    match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
+        Some("asc") => Ok(Raster::from_ascii(&name, &content, band, holes)?),
+        Some("png") => Ok(Raster::from_png(&name, &content, band, place()?)?),
+        _ => Err(Fail::file(path, "unknown kind of file; the name must end in .asc .png")),
+    }
+}
+
+/// The place of a picture that covers a box, black being 0.
+fn whole(path: &Path, bounds: Bounds, white: f64) -> Result<PngPlace, Fail> {
+    let failed = |e: &dyn std::fmt::Display| Fail::file(path, format!("no readable PNG: {e}"));
+    let file = std::fs::File::open(path).map_err(|e| failed(&e))?;
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
+    let info = decoder.read_header_info().map_err(|e| failed(&e))?;
+    let pixels = DVec2::new(f64::from(info.width), f64::from(info.height));
+    Ok(PngPlace { corner: bounds.min, step: bounds.size() / pixels, black: 0.0, white })
+}
