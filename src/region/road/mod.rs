@@ -142,6 +142,7 @@ struct Work {
     listed: LayerCache<(u8, i64, i64), course::Listed>,
     graphs: LayerCache<[i64; 2], graph::Graph>,
     merged: LayerCache<[i64; 2], graph::Graph>,
+    feet: LayerCache<[i64; 2], graph::Graph>,
     shapes: LayerCache<[i64; 2], shape::Shapes>,
     along: LayerCache<[graph::Key; 2], piece::Pieces>,
     tiles: LayerCache<[i64; 2], piece::Pieces>,
@@ -163,7 +164,7 @@ fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 33 * parts;
+        let share = |parts: usize| bytes / 35 * parts;
         Self {
             settings: settings.clone(),
             terrain,
@@ -179,6 +180,7 @@ impl Work {
             listed: LayerCache::new(share(3)),
             graphs: LayerCache::new(share(3)),
             merged: LayerCache::new(share(2)),
+            feet: LayerCache::new(share(2)),
             shapes: LayerCache::new(share(2)),
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
@@ -253,13 +255,17 @@ impl Work {
 
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
-            let around = around(tile, shape::RING).map(|t| self.merged(t, cancel));
+            let around = around(tile, shape::RING).map(|t| self.feet(t, cancel));
             shape::shapes(self, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
         })
     }
 
     fn merged(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
         self.merged.get(&tile.to_array(), || merge::merged(self, tile, cancel))
+    }
+
+    fn feet(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.feet.get(&tile.to_array(), || merge::feet(self, tile, cancel))
     }
 
     fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {

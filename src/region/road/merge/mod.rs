@@ -23,12 +23,14 @@
 //! graph around it, so there is no order.
 
 mod connect;
+mod feet;
 mod net;
 mod rules;
 
 use super::graph::{Graph, TILE_STEPS, tile_bounds};
 use super::{RoadSettings, Work, around};
 use crate::layer::{Cancel, LayerError, Reach};
+pub(super) use feet::feet;
 use glam::I64Vec2;
 use net::Net;
 

@@ -95,7 +95,7 @@ impl<'a> Rules<'a> {
     }
 
     /// Whether an edge leaves a better way at a sharp angle.
-    fn is_sharp(&self, edge: usize, fork: usize) -> bool {
+    pub fn is_sharp(&self, edge: usize, fork: usize) -> bool {
         let direction = self.net.step(fork, self.net.far(edge, fork));
         self.net.nodes[fork].ways.iter().any(|b| {
             let better = &self.net.edges[*b];
@@ -144,21 +144,26 @@ impl<'a> Rules<'a> {
 
     /// Whether the ground lets a connector through, and no outline or tie is in its way.
     pub fn is_free(&self, from: usize, to: usize) -> Result<bool, LayerError> {
-        let (a, by) = (&self.net.nodes[from], self.net.step(from, to));
+        let Some(rank) = self.net.nodes[from].best else { return Ok(false) };
+        self.lets_through(from, self.net.step(from, to), Some(to), rank)
+    }
+
+    /// The same of a line from one vertex to another or to no vertex, of the rank of a way.
+    pub fn lets_through(&self, from: usize, by: DVec2, to: Option<usize>, rank: Rank) -> Result<bool, LayerError> {
+        let a = &self.net.nodes[from];
         let step = self.work.settings.step as f64;
         let crosses_tie = |e: &usize| {
             let edge = &self.net.edges[*e];
             let [p, q] = edge.ends.map(|n| self.net.step(from, n));
             edge.fixed
                 && !edge.ends.contains(&from)
-                && !edge.ends.contains(&to)
+                && !edge.ends.iter().any(|n| Some(*n) == to)
                 && segment_distance(DVec2::ZERO, by, p, q) < OFF_TIES
         };
-        let around = Bounds::of([a.at, self.net.nodes[to].at]).grown(OFF_TIES);
+        let around = Bounds::of([a.at, a.at + by]).grown(OFF_TIES);
         if self.net.edges_in(around)?.iter().any(crosses_tie) {
             return Ok(false);
         }
-        let Some(rank) = a.best else { return Ok(false) };
         let most = settings_of(self.work, rank.class).slope_limit;
         let parts = (by.length() / SAMPLED_EVERY).ceil().max(1.0);
         let plan = |place: &Place| place.origin.to_plan(place.offset);

@@ -15,10 +15,17 @@ fn with(merge: f64) -> RoadSettings {
 const MERGE: f64 = 275.0;
 
 /// Roads of a world as it is by default.
-fn world(seed: u64, merge: f64) -> Roads {
+pub fn world(seed: u64, merge: f64) -> Roads {
     let terrain = Arc::new(NoiseTerrain::new(Seed(seed), &TerrainSettings::default()));
     let settlements = Settlements::new(Seed(seed), &SettlementSettings::default(), terrain.clone(), 32 << 20);
     Roads::new(&with(merge), terrain, Arc::new(settlements), 256 << 20)
+}
+
+/// A world and a place in it, drawn.
+pub fn drawn(i: u64) -> (u64, DVec2) {
+    let mut stream = Seed(2026).stream("merging", &[i]);
+    let seed = stream.range(0.0, 1e9) as u64;
+    (seed, DVec2::new(stream.range(-4e5, 4e5), stream.range(-4e5, 4e5)).round())
 }
 
 /// What a reader of the map would frown at, and where.
