@@ -15,8 +15,9 @@
 //!    classes in their window, never of their own, so no order among equals matters.
 //! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
 //! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
-//!    outlines about 2 km around the tile with the default settings.
-//! 6. `shape`: smoothing, in the same tiles. Reads the merged graphs two tiles around, and outlines 16 steps around.
+//!    outlines about 2 km around the tile with the default settings. After it, in tiles of its own, lesser roads meet better
+//!    ones at blunter angles and cross them at one place; this reads merged graphs and outlines about 1 km around.
+//! 6. `shape`: smoothing, in the same tiles. Reads these graphs two tiles around, and outlines 16 steps around.
 //! 7. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
 //!    tunnels, with heights (`profile`).
 //!

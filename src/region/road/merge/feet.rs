@@ -1,17 +1,19 @@
-//! Feet of lesser roads, moved along the better road that they stand on: out of sharp angles, and to the foot of another
-//! that stands a little further on the far side, so that two forks become one crossing.
+//! Feet of lesser roads, moved along the better road that they stand on: out of sharp angles and bends, and to the foot of
+//! another that stands a little further on the far side, so that two forks become one crossing. Small triangles of roads
+//! lose the last of their sides in rank.
 //!
 //! A foot moves within the better road's stretch to the next junction and sweeps a triangle (or two) that nothing enters, so
 //! the graph stays planar and joined: the way from the old foot to the new one is part of the better road. From both ends of
 //! a stretch feet move to its half at most, but to its end only where nothing stands on that side; a stretch does not move
-//! itself while feet move along it. So moves never meet, and all are made at once, each from what was there before.
+//! itself while feet move along it. So moves never meet, and all are made at once, each from what was there before. At every
+//! vertex that a way leaves, two stay that are not about to.
 
 use super::super::Work;
 use super::super::graph::{Graph, Key, Place, TILE_STEPS, join, tile_bounds};
 use super::super::{RoadSettings, around};
 use super::connect::{ON_IT, parts};
 use super::net::Net;
-use super::rules::{Rules, SHARP};
+use super::rules::Rules;
 use super::{EDGE_STEPS, longest_connector};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::space::math::angle_between;
@@ -31,12 +33,19 @@ const BLUNT: f64 = 0.95;
 const MOST_BEND: f64 = 1.3;
 /// A stretch of road that bends more at a junction is no through road there.
 const THROUGH: f64 = 0.9;
+/// A fork's way that bends more before its foot has a kink.
+const KINK: f64 = 0.95;
 /// Greatest sum of squared bends, in radians, that a crossing is worth.
 const CROSSING_WORTH: f64 = 1.3;
 
 /// Greatest distance in metres along a road of two feet that become one crossing.
 fn staggered(settings: &RoadSettings) -> f64 {
     0.7 * settings.merge
+}
+
+/// Greatest sum of the sides of a triangle that loses one, in metres.
+fn small(settings: &RoadSettings) -> f64 {
+    2.0 * settings.merge
 }
 
 fn longest_stem(settings: &RoadSettings) -> f64 {
@@ -178,10 +187,55 @@ impl Feet<'_> {
         found.min_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1)))
     }
 
-    /// Whether a way might be moved at one of its ends.
+    /// Whether a way might leave a vertex.
     fn wants(&self, edge: usize, node: usize) -> bool {
         let is_stem = |n| self.fork(n).is_some_and(|f| f.stem == edge);
-        self.rules.is_sharp(edge, node) || (is_stem(node) && self.partner(node).is_some())
+        self.is_bad(edge, node) || self.is_last(edge) || (is_stem(node) && self.partner(node).is_some())
+    }
+
+    /// Whether a way stands at a sharp angle, or at a fork after a kink.
+    fn is_bad(&self, edge: usize, node: usize) -> bool {
+        let kinked = || self.fork(node).is_some_and(|f| f.stem == edge) && self.bend(edge, node) > KINK;
+        self.rules.is_sharp(edge, node) || kinked()
+    }
+
+    /// How much a way bends before its foot.
+    fn bend(&self, edge: usize, foot: usize) -> f64 {
+        let far = self.net().far(edge, foot);
+        match self.net().nodes[far].ways.as_slice() {
+            [a, b] => angle_between(-self.towards(far, *a), self.towards(far, *b)),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether a way is the last in rank of the sides of a small triangle.
+    fn is_last(&self, edge: usize) -> bool {
+        let net = self.net();
+        let order = |e: usize| {
+            let [a, b] = net.edges[e].ends.map(|n| net.nodes[n].key);
+            (net.edges[e].rank, a.min(b), a.max(b))
+        };
+        let plain = |e: usize| net.edges[e].level == 0 && !net.edges[e].fixed;
+        let sides = |node: usize| net.nodes[node].ways.iter().copied().filter(move |e| *e != edge && plain(*e));
+        let [a, b] = net.edges[edge].ends;
+        let length = |e: usize| net.apart(net.edges[e].ends[0], net.edges[e].ends[1]);
+        let is_small = |f: usize, g: usize| {
+            net.far(f, a) == net.far(g, b)
+                && length(edge) + length(f) + length(g) <= small(&self.rules.work.settings)
+                && order(f) < order(edge)
+                && order(g) < order(edge)
+        };
+        plain(edge) && sides(a).any(|f| sides(b).any(|g| is_small(f, g)))
+    }
+
+    /// Number of ways that stay at a vertex.
+    fn stays(&self, node: usize) -> usize {
+        self.net().nodes[node].ways.iter().filter(|e| !self.wants(**e, node)).count()
+    }
+
+    /// Whether a way goes.
+    fn goes(&self, edge: usize) -> bool {
+        self.is_last(edge) && self.net().edges[edge].ends.iter().all(|n| self.stays(*n) >= 2)
     }
 
     /// Whether a way is one that may be moved.
@@ -195,18 +249,22 @@ impl Feet<'_> {
     /// Moves of the feet at a vertex.
     fn moves(&self, node: usize) -> Result<Vec<Move>, LayerError> {
         let mut out = Vec::new();
-        let ways = &self.net().nodes[node].ways;
-        if ways.len() < 3 || parts(self.net().nodes[node].key).is_none() {
+        let net = self.net();
+        let ways = &net.nodes[node].ways;
+        if ways.len() < 3 || parts(net.nodes[node].key).is_none() {
             return Ok(out);
         }
-        let stays = ways.iter().filter(|e| !self.wants(**e, node)).count();
-        for e in ways.iter().copied().filter(|e| stays >= 2 && self.rules.is_sharp(*e, node)) {
-            let to = if self.may_move(e, node) { self.blunter(e, node)? } else { None };
+        let partner = self.partner(node);
+        for e in ways.iter().copied().filter(|e| self.is_bad(*e, node)) {
+            let alone = partner.is_none() || self.rules.is_sharp(e, node);
+            let to =
+                if alone && self.stays(node) >= 2 && self.may_move(e, node) { self.blunter(e, node)? } else { None };
             out.extend(to.map(|to| Move { edge: e, foot: node, to }));
         }
-        if let (Some(fork), Some((other, stretch))) = (self.fork(node), self.partner(node)) {
+        if let (Some(fork), Some((other, stretch))) = (self.fork(node), partner) {
             let mutual = self.partner(other).is_some_and(|(back, _)| back == node);
-            if mutual && !self.rules.is_sharp(fork.stem, node) {
+            let steady = [node, other].iter().all(|n| !net.nodes[*n].ways.iter().any(|e| self.is_last(*e)));
+            if mutual && steady && !self.rules.is_sharp(fork.stem, node) {
                 let to = self.crossing(node, other, &stretch)?;
                 out.extend(to.map(|to| Move { edge: fork.stem, foot: node, to }));
             }
@@ -214,33 +272,28 @@ impl Feet<'_> {
         Ok(out)
     }
 
-    /// A place along the better road where a way that stands at a sharp angle comes to stand better.
+    /// A place along the better road where a way that stands at a sharp angle or after a kink comes to stand better.
     fn blunter(&self, edge: usize, foot: usize) -> Result<Option<Spot>, LayerError> {
         let net = self.net();
-        let way = self.towards(foot, edge);
-        let better = net.nodes[foot].ways.iter().copied().filter(|b| self.is_better(*b, edge));
-        let angle = |b: usize| angle_between(way, self.towards(foot, b));
-        let nearest =
-            better.min_by(|a, b| angle(*a).total_cmp(&angle(*b)).then(net.edges[*a].rank.cmp(&net.edges[*b].rank)));
-        let Some(base) = nearest else { return Ok(None) };
-        let end = net.far(base, foot);
-        if net.edges[base].level != 0 || self.wants(base, foot) || self.wants(base, end) {
-            return Ok(None);
-        }
-        let plain = self.goes_on(end, base).is_some();
+        let bent = self.bend(edge, foot);
+        let sharp = self.rules.is_sharp(edge, foot);
         let mut scored: Vec<(f64, Spot)> = Vec::new();
-        for eighth in 1..=if plain { 8 } else { 4 } {
-            let Some(spot) = self.spot(base, foot, eighth) else { continue };
-            if let Some(score) = self.swing(edge, foot, &[foot], &[base], &spot)? {
-                scored.push((score, spot));
+        for base in net.nodes[foot].ways.iter().copied().filter(|b| self.is_better(*b, edge)) {
+            let end = net.far(base, foot);
+            if net.edges[base].level != 0 || self.wants(base, foot) || self.wants(base, end) {
+                continue;
+            }
+            let plain = self.goes_on(end, base).is_some();
+            for eighth in 1..=if plain { 8 } else { 4 } {
+                let Some(spot) = self.spot(base, foot, eighth) else { continue };
+                if let Some(score) = self.swing(edge, foot, &[foot], &[base], &spot)?
+                    && (sharp || score < 0.7 * bent * bent)
+                {
+                    scored.push((score, spot));
+                }
             }
         }
         scored.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.key.cmp(&b.1.key)));
-        self.first_free(edge, foot, scored)
-    }
-
-    /// The best of some places that the ground lets a way through to.
-    fn first_free(&self, edge: usize, foot: usize, scored: Vec<(f64, Spot)>) -> Result<Option<Spot>, LayerError> {
         for (_, spot) in scored {
             if self.is_free(edge, foot, &spot)? {
                 return Ok(Some(spot));
@@ -393,6 +446,9 @@ impl Feet<'_> {
         let moved: BTreeMap<usize, &Move> = moves.iter().map(|m| (m.edge, m)).collect();
         let mut out = Graph::default();
         for e in net.edges_in(near)? {
+            if self.goes(e) {
+                continue;
+            }
             let edge = &net.edges[e];
             let [a, b] = edge.ends.map(|n| (net.nodes[n].key, net.nodes[n].place));
             let mut chain = vec![a, b];

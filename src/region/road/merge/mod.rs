@@ -10,7 +10,8 @@
 //! joined by better ways within the merge distance: then vertex after vertex, coupled by rungs, keeps within that distance,
 //! which is what the discrete Frechet distance of the two stretches measures (Eiter and Mannila 1994). Where a vertex loses
 //! ways but keeps others, a connector takes the place of the rung, bent so that the road goes on smoothly: its far end is
-//! the Steiner junction, a vertex that was there before, so its name is that of its place.
+//! the Steiner junction, a vertex that was there before, so its name is that of its place. Last, `feet` moves such junctions
+//! along the better road to whole parts of a step of the lattice, where the angles are blunter or another road meets it.
 //!
 //! # Why nothing falls apart
 //!

@@ -65,10 +65,12 @@ impl<'a> Rules<'a> {
         let step = self.work.settings.step as f64;
         let (mut length, mut touches) = (0.0, false);
         let mut ends = [(node, distance); 2];
+        let mut ties = Vec::new();
+        let along: [Option<usize>; 2] = [along.first().copied(), along.get(1).copied()];
         for (first, end) in along.into_iter().zip(&mut ends) {
             let (mut at, mut via, mut run) = (node, first, 0.0);
-            loop {
-                let next = self.net.far(via, at);
+            while let Some(edge) = via {
+                let next = self.net.far(edge, at);
                 run += self.net.apart(at, next);
                 if run > WATCHED_STEPS * step {
                     break;
@@ -80,9 +82,16 @@ impl<'a> Rules<'a> {
                     touches = true;
                     break;
                 }
-                let Some(on) = self.along(next, rank).into_iter().find(|e| *e != via) else { break };
-                (at, via) = (next, on);
+                at = next;
+                via = self.along(next, rank).into_iter().find(|e| *e != edge);
             }
+            if via.is_none() {
+                ties.push(self.tie(at, rank).min(WATCHED_STEPS * step - run));
+            }
+        }
+        if ties.len() == 2 && !ties.contains(&0.0) {
+            // All of the course.
+            length += ties[0] + ties[1];
         }
         let away = (ends[0].1 - ends[1].1).abs() > AWAY * self.net.apart(ends[0].0, ends[1].0);
         Ok(length > 0.0 && !away && (touches || length >= LEAST_STEPS * step))
@@ -92,6 +101,15 @@ impl<'a> Rules<'a> {
     fn along(&self, node: usize, rank: Rank) -> Vec<usize> {
         let ways = &self.net.nodes[node].ways;
         ways.iter().copied().filter(|e| self.net.edges[*e].rank == rank && !self.net.edges[*e].fixed).collect()
+    }
+
+    /// Length of the tie in which a course ends at a vertex, 0 if it does not.
+    fn tie(&self, node: usize, rank: Rank) -> f64 {
+        let ties = self.net.nodes[node].ways.iter().filter(|e| {
+            let edge = &self.net.edges[**e];
+            edge.rank == rank && edge.ends.iter().any(|n| self.net.nodes[*n].key.is_gate())
+        });
+        ties.map(|e| self.net.apart(node, self.net.far(*e, node))).fold(0.0, f64::max)
     }
 
     /// Whether an edge leaves a better way at a sharp angle.
