@@ -15,8 +15,9 @@
 //!    classes in their window, never of their own, so no order among equals matters.
 //! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
 //! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
-//!    outlines about 2 km around the tile with the default settings.
-//! 6. `shape`: smoothing, in the same tiles. Reads the merged graphs two tiles around, and outlines 16 steps around.
+//!    outlines about 2 km around the tile with the default settings. After it, in tiles of its own, lesser roads meet better
+//!    ones at blunter angles and cross them at one place; this reads merged graphs and outlines about 1 km around.
+//! 6. `shape`: smoothing, in the same tiles. Reads these graphs two tiles around, and outlines 16 steps around.
 //! 7. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
 //!    tunnels, with heights (`profile`).
 //!
@@ -148,6 +149,7 @@ struct Work {
     listed: LayerCache<(u8, i64, i64), course::Listed>,
     graphs: LayerCache<[i64; 2], graph::Graph>,
     merged: LayerCache<[i64; 2], graph::Graph>,
+    feet: LayerCache<[i64; 2], graph::Graph>,
     shapes: LayerCache<[i64; 2], shape::Shapes>,
     along: LayerCache<[graph::Key; 2], piece::Pieces>,
     tiles: LayerCache<[i64; 2], piece::Pieces>,
@@ -174,7 +176,7 @@ fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 33 * parts;
+        let share = |parts: usize| bytes / 35 * parts;
         Self {
             settings: settings.clone(),
             terrain,
@@ -191,6 +193,7 @@ impl Work {
             listed: LayerCache::new(share(3)),
             graphs: LayerCache::new(share(3)),
             merged: LayerCache::new(share(2)),
+            feet: LayerCache::new(share(2)),
             shapes: LayerCache::new(share(2)),
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
@@ -285,13 +288,17 @@ impl Work {
 
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
-            let around = around(tile, shape::RING).map(|t| self.merged(t, cancel));
+            let around = around(tile, shape::RING).map(|t| self.feet(t, cancel));
             shape::shapes(self, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
         })
     }
 
     fn merged(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
         self.merged.get(&tile.to_array(), || merge::merged(self, tile, cancel))
+    }
+
+    fn feet(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.feet.get(&tile.to_array(), || merge::feet(self, tile, cancel))
     }
 
     fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {

@@ -52,7 +52,7 @@ impl Walk<'_> {
         if let Some(held) = self.graphs.get(&tile.to_array()) {
             return Ok(held.clone());
         }
-        let made = self.work.merged(tile, self.cancel)?;
+        let made = self.work.feet(tile, self.cancel)?;
         self.graphs.insert(tile.to_array(), made.clone());
         Ok(made)
     }

@@ -9,7 +9,7 @@ use crate::space::{Bounds, orient};
 use glam::{DVec2, I64Vec2};
 
 /// Vertices this near a connector, in metres, lie on it.
-const ON_IT: f64 = 10.0;
+pub const ON_IT: f64 = 10.0;
 /// Angle in radians at which a connector had better meet the other road.
 const BLUNT: f64 = 0.8;
 /// What it weighs, against a bend of a radian squared, when it meets it at a sharp angle.
@@ -67,7 +67,7 @@ pub fn rebuild(rules: &mut Rules, tile: I64Vec2) -> Result<Graph, LayerError> {
 }
 
 /// Position of a vertex on the ground in parts of a step; gates have none.
-fn parts(key: Key) -> Option<I64Vec2> {
+pub fn parts(key: Key) -> Option<I64Vec2> {
     match key {
         Key::At { x, y } => Some(I64Vec2::new(x, y)),
         Key::Gate { .. } | Key::Span { .. } => None,

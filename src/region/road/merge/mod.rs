@@ -10,7 +10,8 @@
 //! joined by better ways within the merge distance: then vertex after vertex, coupled by rungs, keeps within that distance,
 //! which is what the discrete Frechet distance of the two stretches measures (Eiter and Mannila 1994). Where a vertex loses
 //! ways but keeps others, a connector takes the place of the rung, bent so that the road goes on smoothly: its far end is
-//! the Steiner junction, a vertex that was there before, so its name is that of its place.
+//! the Steiner junction, a vertex that was there before, so its name is that of its place. Last, `feet` moves such junctions
+//! along the better road to whole parts of a step of the lattice, where the angles are blunter or another road meets it.
 //!
 //! # Why nothing falls apart
 //!
@@ -23,12 +24,14 @@
 //! graph around it, so there is no order.
 
 mod connect;
+mod feet;
 mod net;
 mod rules;
 
 use super::graph::{Graph, TILE_STEPS, tile_bounds};
 use super::{RoadSettings, Work, around};
 use crate::layer::{Cancel, LayerError, Reach};
+pub(super) use feet::feet;
 use glam::I64Vec2;
 use net::Net;
 

@@ -65,10 +65,12 @@ impl<'a> Rules<'a> {
         let step = self.work.settings.step as f64;
         let (mut length, mut touches) = (0.0, false);
         let mut ends = [(node, distance); 2];
+        let mut ties = Vec::new();
+        let along: [Option<usize>; 2] = [along.first().copied(), along.get(1).copied()];
         for (first, end) in along.into_iter().zip(&mut ends) {
             let (mut at, mut via, mut run) = (node, first, 0.0);
-            loop {
-                let next = self.net.far(via, at);
+            while let Some(edge) = via {
+                let next = self.net.far(edge, at);
                 run += self.net.apart(at, next);
                 if run > WATCHED_STEPS * step {
                     break;
@@ -80,9 +82,16 @@ impl<'a> Rules<'a> {
                     touches = true;
                     break;
                 }
-                let Some(on) = self.along(next, rank).into_iter().find(|e| *e != via) else { break };
-                (at, via) = (next, on);
+                at = next;
+                via = self.along(next, rank).into_iter().find(|e| *e != edge);
             }
+            if via.is_none() {
+                ties.push(self.tie(at, rank).min(WATCHED_STEPS * step - run));
+            }
+        }
+        if ties.len() == 2 && !ties.contains(&0.0) {
+            // All of the course.
+            length += ties[0] + ties[1];
         }
         let away = (ends[0].1 - ends[1].1).abs() > AWAY * self.net.apart(ends[0].0, ends[1].0);
         Ok(length > 0.0 && !away && (touches || length >= LEAST_STEPS * step))
@@ -94,8 +103,17 @@ impl<'a> Rules<'a> {
         ways.iter().copied().filter(|e| self.net.edges[*e].rank == rank && !self.net.edges[*e].fixed).collect()
     }
 
+    /// Length of the tie in which a course ends at a vertex, 0 if it does not.
+    fn tie(&self, node: usize, rank: Rank) -> f64 {
+        let ties = self.net.nodes[node].ways.iter().filter(|e| {
+            let edge = &self.net.edges[**e];
+            edge.rank == rank && edge.ends.iter().any(|n| self.net.nodes[*n].key.is_gate())
+        });
+        ties.map(|e| self.net.apart(node, self.net.far(*e, node))).fold(0.0, f64::max)
+    }
+
     /// Whether an edge leaves a better way at a sharp angle.
-    fn is_sharp(&self, edge: usize, fork: usize) -> bool {
+    pub fn is_sharp(&self, edge: usize, fork: usize) -> bool {
         let direction = self.net.step(fork, self.net.far(edge, fork));
         self.net.nodes[fork].ways.iter().any(|b| {
             let better = &self.net.edges[*b];
@@ -144,21 +162,26 @@ impl<'a> Rules<'a> {
 
     /// Whether the ground lets a connector through, and no outline or tie is in its way.
     pub fn is_free(&self, from: usize, to: usize) -> Result<bool, LayerError> {
-        let (a, by) = (&self.net.nodes[from], self.net.step(from, to));
+        let Some(rank) = self.net.nodes[from].best else { return Ok(false) };
+        self.lets_through(from, self.net.step(from, to), Some(to), rank)
+    }
+
+    /// The same of a line from one vertex to another or to no vertex, of the rank of a way.
+    pub fn lets_through(&self, from: usize, by: DVec2, to: Option<usize>, rank: Rank) -> Result<bool, LayerError> {
+        let a = &self.net.nodes[from];
         let step = self.work.settings.step as f64;
         let crosses_tie = |e: &usize| {
             let edge = &self.net.edges[*e];
             let [p, q] = edge.ends.map(|n| self.net.step(from, n));
             edge.fixed
                 && !edge.ends.contains(&from)
-                && !edge.ends.contains(&to)
+                && !edge.ends.iter().any(|n| Some(*n) == to)
                 && segment_distance(DVec2::ZERO, by, p, q) < OFF_TIES
         };
-        let around = Bounds::of([a.at, self.net.nodes[to].at]).grown(OFF_TIES);
+        let around = Bounds::of([a.at, a.at + by]).grown(OFF_TIES);
         if self.net.edges_in(around)?.iter().any(crosses_tie) {
             return Ok(false);
         }
-        let Some(rank) = a.best else { return Ok(false) };
         let most = settings_of(self.work, rank.class).slope_limit;
         let parts = (by.length() / SAMPLED_EVERY).ceil().max(1.0);
         let plan = |place: &Place| place.origin.to_plan(place.offset);
