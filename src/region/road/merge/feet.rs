@@ -14,7 +14,7 @@ use super::super::{RoadSettings, around};
 use super::connect::{ON_IT, parts};
 use super::net::Net;
 use super::rules::Rules;
-use super::{EDGE_STEPS, longest_connector};
+use super::{EDGE_STEPS, longest_connector, plain};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, point_in_polygon, segment_distance};
@@ -48,7 +48,8 @@ fn small(settings: &RoadSettings) -> f64 {
     2.0 * settings.merge
 }
 
-fn longest_stem(settings: &RoadSettings) -> f64 {
+/// Length in metres of the longest way whose foot moves.
+pub fn longest_stem(settings: &RoadSettings) -> f64 {
     STEM_STEPS * settings.step as f64
 }
 
@@ -65,6 +66,9 @@ pub(in super::super) fn feet(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Res
     cancel.check()?;
     if work.settings.merge <= 0.0 {
         return Ok(Graph { vertices: work.merged(tile, cancel)?.vertices.clone() });
+    }
+    if let Some(plain) = plain(work, tile, cancel)? {
+        return Ok(plain);
     }
     let own = tile_bounds(tile, work.settings.step);
     let reach = Reach::new("roads", own, padding(&work.settings));

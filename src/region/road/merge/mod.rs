@@ -61,12 +61,33 @@ pub(super) fn padding(settings: &RoadSettings) -> f64 {
     2.0 * connector + goes.max(connector + beside)
 }
 
+/// The graph of a tile where no more than one course comes near: there nothing merges and no foot moves. Vertices that would
+/// decide otherwise lie within a stem, the longer of an edge and a connector, and a rung.
+fn plain(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Option<Graph>, LayerError> {
+    let (settings, step) = (&work.settings, work.settings.step as f64);
+    let reads =
+        feet::longest_stem(settings) + (EDGE_STEPS * step).max(longest_connector(settings)) + longest_rung(settings);
+    let ring = (reads / (TILE_STEPS as f64 * step)).ceil() as i64;
+    let mut rank = None;
+    for tile in around(tile, ring) {
+        for v in work.graph(tile, cancel)?.vertices.values() {
+            if v.ways.len() > 2 || v.ways.iter().any(|w| *rank.get_or_insert(w.rank) != w.rank) {
+                return Ok(None);
+            }
+        }
+    }
+    Ok(Some(Graph { vertices: work.graph(tile, cancel)?.vertices.clone() }))
+}
+
 /// The graph of one tile after merging.
 pub(super) fn merged(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph, LayerError> {
     cancel.check()?;
     let step = work.settings.step as f64;
     if work.settings.merge <= 0.0 {
         return Ok(Graph { vertices: work.graph(tile, cancel)?.vertices.clone() });
+    }
+    if let Some(plain) = plain(work, tile, cancel)? {
+        return Ok(plain);
     }
     let own = tile_bounds(tile, work.settings.step);
     let reach = Reach::new("roads", own, padding(&work.settings));
