@@ -114,7 +114,7 @@ impl Course {
 }
 
 /// Edge of the tiles by which courses are listed, in metres.
-const LISTED_BY: f64 = 2_048.0;
+const LISTED_BY: f64 = 1_024.0;
 
 /// Courses of one class that pass through `bounds` (plan metres), sorted by id.
 pub(super) fn courses(

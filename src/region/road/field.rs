@@ -306,36 +306,38 @@ impl<'a> Field<'a> {
     }
 
     /// Neighbour along a heading and a lower bound of the edge's cost, infinite where there is no way.
+    #[inline]
     pub fn rough(&mut self, slot: usize, heading: usize) -> Result<Option<(usize, f32)>, LayerError> {
         let Some(next) = self.strip.next(slot, heading) else { return Ok(None) };
         let ([a, b], h, index) = self.edge(slot, next, heading);
         if self.rough[index].is_nan() {
-            let (bit, back) = (1u16 << h, 1u16 << (h + 8));
-            let shut = (self.closed[a] | self.spanned[a]) & bit | (self.closed[b] | self.spanned[b]) & back;
-            let length = self.lengths[h];
-            self.rough[index] = if shut != 0 {
-                f32::INFINITY
-            } else if self.existing[a] & bit != 0 {
-                length as f32
-            } else {
-                let (ga, gb) = (self.ground(a)?, self.ground(b)?);
-                let steep = f64::from((ga.surface - gb.surface).abs()) > DEAR * self.steepest_span() * length;
-                for (slot, bit, far) in [(a, bit, gb), (b, back, ga)] {
-                    if steep || far.depth > 0.0 {
-                        self.bad[slot] |= bit;
-                    }
-                }
-                let dry = ga.depth <= 0.0 && gb.depth <= 0.0;
-                match cost_per_metre(ga, gb, length, self.t).filter(|_| dry) {
-                    Some(cost) => {
-                        let cost = cost + f64::from(self.extra[a] + self.extra[b]) / 2.0;
-                        (length * cost.max(LEAST_SHARE)) as f32
-                    }
-                    None => f32::INFINITY,
-                }
-            };
+            self.rough[index] = self.find_rough([a, b], h)?;
         }
         Ok(Some((next, self.rough[index])))
+    }
+
+    fn find_rough(&mut self, [a, b]: [usize; 2], h: usize) -> Result<f32, LayerError> {
+        let (bit, back) = (1u16 << h, 1u16 << (h + 8));
+        let length = self.lengths[h];
+        if (self.closed[a] | self.spanned[a]) & bit | (self.closed[b] | self.spanned[b]) & back != 0 {
+            return Ok(f32::INFINITY);
+        }
+        if self.existing[a] & bit != 0 {
+            return Ok(length as f32);
+        }
+        let (ga, gb) = (self.ground(a)?, self.ground(b)?);
+        let steep = f64::from((ga.surface - gb.surface).abs()) > DEAR * self.steepest_span() * length;
+        for (slot, bit, far) in [(a, bit, gb), (b, back, ga)] {
+            if steep || far.depth > 0.0 {
+                self.bad[slot] |= bit;
+            }
+        }
+        if ga.depth > 0.0 || gb.depth > 0.0 {
+            return Ok(f32::INFINITY);
+        }
+        let extra = f64::from(self.extra[a] + self.extra[b]) / 2.0;
+        let cost = cost_per_metre(ga, gb, length, self.t);
+        Ok(cost.map_or(f32::INFINITY, |c| (length * (c + extra).max(LEAST_SHARE)) as f32))
     }
 
     /// The cost of an edge, infinite where there is no way.
@@ -414,8 +416,9 @@ impl<'a> Field<'a> {
         self.t.slope_limit.min(STEEPEST_SPAN)
     }
 
-    /// Bridges and tunnels that begin one edge along a heading.
-    pub fn hops(&mut self, slot: usize, heading: usize) -> Result<&[Hop], LayerError> {
+    /// Whether there are [`Field::hops`].
+    #[inline]
+    pub fn has_hops(&mut self, slot: usize, heading: usize) -> Result<bool, LayerError> {
         if self.tried[slot] >> heading & 1 == 0 {
             self.tried[slot] |= 1 << heading;
             let found = self.find_hops(slot, heading)?;
@@ -424,10 +427,13 @@ impl<'a> Field<'a> {
                 self.hops.insert((slot, heading), found);
             }
         }
-        if self.hopping[slot] >> heading & 1 == 0 {
-            return Ok(&[]);
-        }
-        Ok(self.hops.get(&(slot, heading)).map_or(&[], Vec::as_slice))
+        Ok(self.hopping[slot] >> heading & 1 == 1)
+    }
+
+    /// Bridges and tunnels that begin one edge along a heading.
+    pub fn hops(&mut self, slot: usize, heading: usize) -> Result<&[Hop], LayerError> {
+        let any = self.has_hops(slot, heading)?;
+        Ok(self.hops.get(&(slot, heading)).filter(|_| any).map_or(&[], Vec::as_slice))
     }
 
     fn find_hops(&mut self, slot: usize, heading: usize) -> Result<Vec<Hop>, LayerError> {

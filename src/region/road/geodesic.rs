@@ -131,7 +131,7 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
                 rest[next] = cost + edge;
                 open.push(queued(rest[next] + ahead[next], next));
             }
-            if edge.is_infinite() {
+            if edge.is_infinite() || !field.has_hops(slot, heading)? {
                 continue;
             }
             hops.clear();
@@ -259,6 +259,9 @@ fn forward(
                 continue;
             }
             reach(next, cost + edge, 0);
+            if !field.has_hops(slot, *along)? {
+                continue;
+            }
             hops.clear();
             hops.extend(field.hops(slot, *along)?);
             for hop in &hops {

@@ -20,8 +20,8 @@ use std::sync::Arc;
 const HOPELESS: f64 = 0.87;
 /// Extra cost per metre, a kilometre off the beeline: of ways that cost the same, the straightest is taken.
 const OFF_BEELINE: f64 = 0.01;
-/// Share by which ratios of distances on the wide lattice may be wrong; in nine of ten cases it is less than a third.
-const DOUBT: f64 = 0.02;
+/// Share by which ratios of distances on the wide lattice must differ to be taken as they are; most are off by less.
+const DOUBT: f64 = 0.015;
 /// Distance from its circle within which a settlement repels roads that do not serve it, in metres.
 const REPEL: f64 = 500.0;
 

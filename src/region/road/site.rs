@@ -230,8 +230,8 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
         let b = polygon[(i + 1) % polygon.len()];
         let near = Bounds::of([*a, b]).moved(outline.origin.plan());
         let part = Window::around(near.grown(margin), step);
-        // An edge reaches two nodes further than its ends.
-        let (min, max) = (part.min - 2, part.min + part.size + 2);
+        // The point of an edge that is nearest lies within half its length of one of its ends.
+        let (min, max) = (part.min - 1, part.min + part.size + 1);
         for y in min.y..max.y {
             for x in min.x..max.x {
                 let node = I64Vec2::new(x, y);
@@ -239,11 +239,13 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                 let off = distance_to_segment(p, *a, b);
                 let node_near = off < 0.5 * step as f64;
                 for (heading, s) in STENCIL.iter().enumerate() {
+                    let q = p + s.as_dvec2() * step as f64;
                     let passes = || {
-                        off < margin + lengths[heading]
-                            && segment_distance(p, p + s.as_dvec2() * step as f64, *a, b) < margin
+                        off < margin + lengths[heading] / 2.0
+                            && Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
+                            && segment_distance(p, q, *a, b) < margin
                     };
-                    if node_near || (heading < 8 && passes()) {
+                    if node_near || passes() {
                         close(node, heading);
                     }
                 }

@@ -23,7 +23,7 @@ const BANK: (f64, f64) = (1.4, 5.0);
 const SLOPE_LENGTH: f64 = 40.0;
 /// Distance in metres between the rays that a place is judged by, at its radius, and how many they are.
 const RAY_SPACING: f64 = 120.0;
-const RAYS: (usize, usize) = (10, 18);
+const RAYS: (usize, usize) = (10, 12);
 /// Distance from a place within which it is judged as finely as outlines are made; beyond it with steps so much longer.
 const JUDGED: (f64, f64) = (130.0, 3.0);
 /// Share of its circle that a settlement fills at least.

@@ -37,6 +37,8 @@ use net::Net;
 
 /// Length in steps of the stretch, each way from a vertex, over which a course is watched.
 const WATCHED_STEPS: f64 = 3.0;
+/// How much nearer to each other shaping mostly brings two roads than they are on the lattice, in metres.
+const NEARER: f64 = 11.0;
 /// Greatest length of an edge of the lattice in steps.
 const EDGE_STEPS: f64 = 2.237;
 
@@ -45,10 +47,15 @@ fn longest_connector(settings: &RoadSettings) -> f64 {
     1.4 * settings.merge
 }
 
-/// Greatest length of a rung in metres: vertices of a road within the merge distance lie up to half an edge further along.
+/// Distance in metres within which a course is beside another: shaping may bring roads a little nearer.
+fn beside(settings: &RoadSettings) -> f64 {
+    settings.merge + NEARER
+}
+
+/// Greatest length of a rung in metres: vertices of a road that is beside lie up to half an edge further along.
 fn longest_rung(settings: &RoadSettings) -> f64 {
     let half = EDGE_STEPS * settings.step as f64 / 2.0;
-    (settings.merge * settings.merge + half * half).sqrt()
+    (beside(settings) * beside(settings) + half * half).sqrt()
 }
 
 /// How far in metres around its tile the merged graph depends on the graph: a connector into the tile, one that crosses it,
@@ -56,7 +63,7 @@ fn longest_rung(settings: &RoadSettings) -> f64 {
 pub(super) fn padding(settings: &RoadSettings) -> f64 {
     let step = settings.step as f64;
     let (edge, connector) = (EDGE_STEPS * step, longest_connector(settings));
-    let beside = WATCHED_STEPS * step + settings.merge;
+    let beside = WATCHED_STEPS * step + beside(settings);
     let goes = edge + longest_rung(settings) + beside;
     2.0 * connector + goes.max(connector + beside)
 }

@@ -4,7 +4,7 @@ use super::super::Work;
 use super::super::graph::{Place, Rank};
 use super::super::settings::TierSettings;
 use super::net::Net;
-use super::{WATCHED_STEPS, longest_rung};
+use super::{WATCHED_STEPS, beside, longest_rung};
 use crate::layer::LayerError;
 use crate::network::StreetClass;
 use crate::space::math::angle_between;
@@ -55,7 +55,7 @@ impl<'a> Rules<'a> {
     fn find_second(&self, node: usize) -> Result<bool, LayerError> {
         let n = &self.net.nodes[node];
         let (Some(rank), false) = (n.best, n.key.is_gate()) else { return Ok(false) };
-        let limit = self.work.settings.merge;
+        let limit = beside(&self.work.settings);
         let Some(distance) = self.net.better_near(node, rank, limit)? else { return Ok(false) };
         let along = self.along(node, rank);
         if along.iter().any(|e| self.is_sharp(*e, self.net.far(*e, node))) {

@@ -31,7 +31,7 @@ pub fn drawn(i: u64) -> (u64, DVec2) {
 /// What a reader of the map would frown at, and where.
 #[derive(Debug, Default)]
 struct Flaws {
-    /// Pairs of pieces that keep closer than the merge distance over more than 2.3 times that.
+    /// Pairs of pieces that keep closer than the merge distance over more than 2.5 times that.
     twins: Vec<DVec2>,
     /// Pairs of pieces that leave a junction at less than 30 degrees.
     sharp: Vec<DVec2>,
@@ -86,7 +86,7 @@ fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
     for (i, a) in lines.iter().enumerate() {
         let near = Bounds::of(a.iter().copied()).grown(MERGE);
         for b in lines[i + 1..].iter().filter(|b| near.overlaps(Bounds::of(b.iter().copied()))) {
-            if longest_run(a, b, MERGE).min(longest_run(b, a, MERGE)) > 2.3 * MERGE {
+            if longest_run(a, b, MERGE).min(longest_run(b, a, MERGE)) > 2.5 * MERGE {
                 out.twins.push(origin.to_plan(point_at(a, crate::space::line_length(a) / 2.0).0));
             }
         }
