@@ -7,7 +7,7 @@ mod merging;
 
 use super::lattice::node_at;
 use super::*;
-use crate::space::{point_in_polygon, quantize, segment_crossing, segment_distance, segments};
+use crate::space::{point_in_polygon, polygon_distance, quantize, segment_crossing, segment_distance, segments};
 use ground::{Hills, roads, roads_over};
 use std::collections::BTreeMap;
 
@@ -282,4 +282,58 @@ fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
         }
     }
     assert!(bridges > 3, "{bridges}");
+}
+
+/// Length of the shortest way along pieces from one of some junctions to a piece of a class.
+fn way_to(pieces: &[Arc<Road>], from: &[JunctionId], class: StreetClass) -> Option<f64> {
+    let mut ways: BTreeMap<JunctionId, Vec<(&Road, JunctionId)>> = BTreeMap::new();
+    for r in pieces {
+        ways.entry(r.street.from).or_default().push((r, r.street.to));
+        ways.entry(r.street.to).or_default().push((r, r.street.from));
+    }
+    let mut open: std::collections::BTreeSet<(u64, JunctionId)> = from.iter().map(|id| (0, *id)).collect();
+    let mut done = std::collections::BTreeSet::new();
+    while let Some((bits, at)) = open.pop_first() {
+        if !done.insert(at) {
+            continue;
+        }
+        for (road, to) in ways.get(&at).into_iter().flatten() {
+            if road.street.class == class {
+                return Some(f64::from_bits(bits));
+            }
+            open.insert(((f64::from_bits(bits) + road.street.length()).to_bits(), *to));
+        }
+    }
+    None
+}
+
+#[test]
+fn highways_pass_towns_at_a_distance_and_towns_join_them() {
+    let (mut passed, mut joined) = (0, 0);
+    for (seed, centre) in (200..206).map(merging::drawn) {
+        let roads = merging::world(seed, 275.0);
+        let window = Bounds::square(centre, 14_000.0);
+        let pieces = all(&roads, window.grown(6_000.0));
+        for town in roads.work.places.centred_in_of(window, SizeClass::Town).unwrap() {
+            let outline = roads.work.places.outline(&town).unwrap();
+            let off = |r: &Arc<Road>| {
+                let shift = r.origin.offset_to(outline.origin);
+                let ends =
+                    segments(&r.street.line).map(|(a, b)| polygon_distance(a + shift, b + shift, &outline.polygon));
+                ends.fold(f64::INFINITY, f64::min)
+            };
+            let highways = pieces.iter().filter(|r| r.street.class == StreetClass::Highway);
+            let nearest = highways.map(off).fold(f64::INFINITY, f64::min);
+            if nearest > 2_000.0 {
+                continue;
+            }
+            passed += 1;
+            // Closer only where ground leaves no other way.
+            assert!(nearest > 0.3 * roads.work.settings.step as f64, "{} at {nearest}", town.name);
+            let gates: Vec<JunctionId> =
+                roads.gates(&town, &Cancel::new()).unwrap().iter().map(|g| g.junction).collect();
+            joined += usize::from(way_to(&pieces, &gates, StreetClass::Highway).is_some_and(|m| m < 6_000.0));
+        }
+    }
+    assert!(passed > 5 && joined * 10 >= passed * 9, "{joined} of {passed}");
 }
