@@ -6,7 +6,7 @@
 //! touched. That decision needs only what lies within a few steps, and no order.
 
 use super::Work;
-use super::graph::{Graph, Key, Place, Vertex, tile_bounds};
+use super::graph::{Graph, Key, Place, Vertex, Way, tile_bounds};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::space::{Bounds, Origin, math::angle_between, polygon_distance, segment_distance};
 use glam::{DVec2, I64Vec2};
@@ -18,6 +18,9 @@ const APART: f64 = 6.0;
 /// How far around its tile shapes depend on the graph, in steps: a vertex's neighbourhood of three edges each way, that of
 /// the lines it might meet, and outlines beside them.
 const PADDING_STEPS: f64 = 14.0;
+
+/// Lines are in each other's way only within this distance before they are shaped, in steps.
+const FARTHEST_STEPS: f64 = 4.0;
 
 /// Tiles on each side whose graphs shapes read.
 pub(super) const RING: i64 = 2;
@@ -57,6 +60,11 @@ struct Around<'a> {
 impl Around<'_> {
     fn ways(&self, key: Key) -> Option<&Vertex> {
         self.vertices.get(&key).copied()
+    }
+
+    /// Box of a way from a vertex, relative to the origin.
+    fn bounds(&self, v: &Vertex, way: &Way) -> Bounds {
+        Bounds::of([v.place.local_to(self.origin), way.place.local_to(self.origin)])
     }
 
     /// The vertex after `at`, coming from `from`, if the line goes on there.
@@ -117,12 +125,26 @@ pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: 
         vertices: graphs.iter().flat_map(|g| g.vertices.iter().map(|(k, v)| (*k, v))).collect(),
         origin: Origin::at(own.min),
     };
-    // A corner's rounding also depends on how far its neighbours move.
+    // Only lines that end in the tile decide about its vertices, and only lines near these can be in their way.
+    let beside = |key: &Key, v: &Vertex, all: Bounds| {
+        let own = v.ways.iter().filter(|w| key.tile() == tile || w.to.tile() == tile);
+        own.fold(all, |all, way| all.union(around.bounds(v, way)))
+    };
+    let reached = around.vertices.iter().fold(Bounds::EMPTY, |all, (key, v)| beside(key, v, all));
+    let reached = reached.grown(FARTHEST_STEPS * step as f64);
     let mut bends: BTreeMap<Key, Bend> = BTreeMap::new();
-    for key in around.vertices.keys() {
-        bends.extend(around.bend(*key).map(|b| (*key, b)));
+    for (key, v) in &around.vertices {
+        for way in v.ways.iter().filter(|w| around.bounds(v, w).overlaps(reached)) {
+            for key in [*key, way.to] {
+                if !bends.contains_key(&key) {
+                    bends.extend(around.bend(key).map(|b| (key, b)));
+                }
+            }
+        }
     }
-    let moved = |k: &Key| bends.get(k).map_or(0.0, |b| b.by.length());
+    // A corner's rounding also depends on how far its neighbours move.
+    let moved =
+        |k: &Key| bends.get(k).map_or_else(|| around.bend(*k).map_or(0.0, |b| b.by.length()), |b| b.by.length());
     let stray: BTreeMap<Key, Stray> = bends
         .iter()
         .map(|(k, b)| {
@@ -131,7 +153,7 @@ pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: 
             (*k, Stray { moved: own + own / 4.0 + round, round })
         })
         .collect();
-    let Kept { still, sharp } = conflicts(work, &around, &bends, &stray, own)?;
+    let Kept { still, sharp } = conflicts(work, &around, &bends, &stray, (tile, reached))?;
     let mut out = Shapes::default();
     for (key, bend) in bends.iter().filter(|(k, _)| k.tile() == tile) {
         let Some(v) = around.ways(*key) else { continue };
@@ -192,26 +214,29 @@ fn conflicts(
     around: &Around,
     bends: &BTreeMap<Key, Bend>,
     stray: &BTreeMap<Key, Stray>,
-    own: Bounds,
+    (tile, reached): (I64Vec2, Bounds),
 ) -> Result<Kept, LayerError> {
     let step = work.settings.step as f64;
-    let near = own.grown(PADDING_STEPS * step).moved(-around.origin.plan());
+    let own = tile_bounds(tile, work.settings.step);
+    let is_own = |line: &Line| line.ends.iter().any(|k| k.tile() == tile);
     let stray_of = |k: &Key| stray.get(k).copied().unwrap_or_default();
     let mut lines = Vec::new();
     for (key, v) in &around.vertices {
         for way in v.ways.iter().filter(|w| *key < w.to || !around.vertices.contains_key(&w.to)) {
+            if !around.bounds(v, way).overlaps(reached) {
+                continue;
+            }
             let at = [v.place.local_to(around.origin), way.place.local_to(around.origin)];
             let stray = [stray_of(key), stray_of(&way.to)];
             let bounds = Bounds::of(at).grown((stray[0].moved.max(stray[1].moved) + APART) / 2.0);
-            if bounds.overlaps(near) {
-                lines.push(Line { ends: [*key, way.to], at, bounds, stray, level: way.level });
-            }
+            lines.push(Line { ends: [*key, way.to], at, bounds, stray, level: way.level });
         }
     }
     let mut out = Kept { still: Vec::new(), sharp: Vec::new() };
     let both: [fn(&Stray) -> f64; 2] = [|s| s.moved, |s| s.round];
     for (i, e) in lines.iter().enumerate() {
-        for f in &lines[i + 1..] {
+        let beside = is_own(e);
+        for f in lines[i + 1..].iter().filter(|f| beside || is_own(f)) {
             if e.level != f.level || !e.bounds.overlaps(f.bounds) {
                 continue;
             }
@@ -223,6 +248,7 @@ fn conflicts(
             }
         }
     }
+    lines.retain(is_own);
     let reach = Reach::new("roads", own, (PADDING_STEPS + 4.0) * step);
     for s in work.places.overlapping(reach.check(own.grown((PADDING_STEPS + 2.0) * step))?)? {
         let circle = Bounds::square(s.centre.offset_to(around.origin), 2.0 * s.radius);
