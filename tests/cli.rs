@@ -347,6 +347,19 @@ fn roads_over_water_and_through_woods() {
     let (dry, wet) = (of(&[]), of(&["--water", &water]));
     assert!(dry["bridges"] == 0 && dry != wet, "{dry} {wet}");
     assert_ne!(of(&["--vegetation", &wood])["classes"], dry["classes"]);
+    // Pictures cover the domain; white is the greatest depth, or dense wood.
+    let picture = |name: &str, of: &dyn Fn(i32, i32) -> u8| {
+        let path = file(name, "").to_string_lossy().into_owned();
+        let mut encoder = png::Encoder::new(std::fs::File::create(&path).expect("a file"), 30, 20);
+        encoder.set_color(png::ColorType::Grayscale);
+        let pixels: Vec<u8> = (0..20).rev().flat_map(|y| (0..30).map(move |x| of(x, y))).collect();
+        encoder.write_header().and_then(|mut w| w.write_image_data(&pixels)).expect("a picture");
+        path
+    };
+    let drawn = picture("lake.png", &|x, y| if lake(x, y) == "6" { 255 } else { 0 });
+    assert_eq!(of(&["--water", &drawn, "--water-white", "6"]), wet);
+    let drawn = picture("wood.png", &|_, y| if y < 10 { 255 } else { 0 });
+    assert_ne!(of(&["--vegetation", &drawn])["classes"], dry["classes"]);
     let bad = |name: &str, from: &str, to: &str| {
         let text = std::fs::read_to_string(&water).expect("a grid").replacen(from, to, 1);
         file(name, &text).to_string_lossy().into_owned()
