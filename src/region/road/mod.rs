@@ -11,7 +11,8 @@
 //! 2. `site`: where roads may enter a settlement, and what they may not touch beside it. Reads six steps of the lattice
 //!    around its outline.
 //! 3. `course`: the course of a kept pair on the fine lattice, within the same corridor: a `geodesic` by position and
-//!    heading over a `field` of costs, with bridges and tunnels as edges. Courses of lower classes read those of higher
+//!    heading over a `field` of costs, with bridges and tunnels as edges, around discs of the settlements that it does not
+//!    serve, or where these leave no way, around their outlines. Courses of lower classes read those of higher
 //!    classes in their window, never of their own, so no order among equals matters.
 //! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
 //! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
@@ -24,11 +25,11 @@
 //! # Padding
 //!
 //! Every point of a course has one of its settlements within `TierSettings::padding`: its way is at most `detour`
-//! beelines long, so one end is within half of that. A tile's courses are thus found from the settlements in its box grown
-//! by that padding, and decided by settlements a `reach` further; a window of the ground that a search reads lies within the
-//! ellipse or corridor of its pair. `Reach` enforces both wherever settlements are read. Edits change none of this: ways that
-//! influences make cheap, and those through given points, keep within the ellipse of their pair. A way point that persists is one
-//! more settlement, without an outline: `way_points`, `node`. How far a change of edits reaches is in `spread`.
+//! beelines long, so one end is within half of that. A tile's courses are found from settlements whose distances to the
+//! tile sum to no more than such a way, at most a reach from each other, and decided by settlements nearer to both ends
+//! than their road is long; a window of the ground that a search reads lies within the ellipse or corridor of its pair.
+//! `Reach` enforces the first wherever settlements are read. Edits change none of this: ways that influences make cheap,
+//! and those through given points, keep within the ellipse of their pair.
 //!
 //! # What holds
 //!
