@@ -29,7 +29,8 @@
 //! tile sum to no more than such a way, at most a reach from each other, and decided by settlements nearer to both ends
 //! than their road is long; a window of the ground that a search reads lies within the ellipse or corridor of its pair.
 //! `Reach` enforces the first wherever settlements are read. Edits change none of this: ways that influences make cheap,
-//! and those through given points, keep within the ellipse of their pair.
+//! and those through given points, keep within the ellipse of their pair. A way point that persists is one more settlement,
+//! without an outline: `way_points`, `node`. How far a change of edits reaches is in `spread`.
 //!
 //! # What holds
 //!
@@ -37,8 +38,8 @@
 //! meet only at nodes and crossings of the lattice, which are vertices of the graph, connectors of merged roads are split
 //! where they meet others, and smoothing moves a line only where nothing is near. Roads touch an outline only in their
 //! gate, since the lattice is closed around it. Every course ends in gates or way points, and merging leaves no dead ends, so
-//! no road ends in a field where the user has set no way point. Settlements that touch have no course: their border is the way between them, and no tie or course
-//! comes near it.
+//! no road ends in a field where the user has set no way point. Settlements that touch have no course: their border is the
+//! way between them, and no tie or course comes near it.
 
 mod control;
 mod course;

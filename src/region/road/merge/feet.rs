@@ -55,7 +55,7 @@ pub fn longest_stem(settings: &RoadSettings) -> f64 {
 
 /// How far in metres around its tile the graph depends on the one before: a stem into the tile, its foot's partner and
 /// either what stands beyond that or the partner's stem and what might cross its new course.
-fn padding(settings: &RoadSettings) -> f64 {
+pub fn padding(settings: &RoadSettings) -> f64 {
     let edge = EDGE_STEPS * settings.step as f64;
     let (stem, apart) = (longest_stem(settings).max(edge), staggered(settings));
     2.0 * stem + apart + (longest_connector(settings) / 2.0).max(apart) + ON_IT

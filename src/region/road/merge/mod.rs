@@ -60,12 +60,17 @@ fn longest_rung(settings: &RoadSettings) -> f64 {
 
 /// How far in metres around its tile the merged graph depends on the graph: a connector into the tile, one that crosses it,
 /// what the choice of that one depends on: whether its ways go, and what runs beside what where it could end.
-pub(super) fn padding(settings: &RoadSettings) -> f64 {
+fn padding(settings: &RoadSettings) -> f64 {
     let step = settings.step as f64;
     let (edge, connector) = (EDGE_STEPS * step, longest_connector(settings));
     let beside = WATCHED_STEPS * step + beside(settings);
     let goes = edge + longest_rung(settings) + beside;
     2.0 * connector + goes.max(connector + beside)
+}
+
+/// How far in metres around its tile the graph after both stages depends on the graph before them.
+pub(super) fn reads(settings: &RoadSettings) -> f64 {
+    padding(settings) + feet::padding(settings)
 }
 
 /// The graph of a tile where no more than one course comes near: there nothing merges and no foot moves. Vertices that would
