@@ -168,6 +168,8 @@ impl Layers {
                 field: &plan.field,
                 style: &kit.style,
                 patches: &kit.patches,
+                weights: &kit.patches.weights(),
+                pinned: &[],
             };
             match kit.style.filler {
                 Filler::SemanticPatches => SemanticPatches.fill(&brief, cancel),

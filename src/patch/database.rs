@@ -143,9 +143,9 @@ impl PatchDatabase {
         &self.facts[patch]
     }
 
-    /// The weights of the patches with these indices, as [`Stream::weighted`](crate::space::Stream::weighted) takes them.
-    pub fn weights(&self, patches: &[usize]) -> Vec<f64> {
-        patches.iter().map(|i| self.patches[*i].weight).collect()
+    /// The weights that the files give the patches, in order.
+    pub fn weights(&self) -> Vec<f64> {
+        self.patches.iter().map(|p| p.weight).collect()
     }
 
     /// The patterns, by set and then by place in the file.
@@ -226,7 +226,8 @@ mod tests {
             let fitting = db.fitting(distance / 2.0);
             assert_eq!(fitting.len(), db.patches.iter().filter(|p| p.radius <= distance / 2.0).count());
             assert!(fitting.iter().all(|i| db.patches[*i].radius <= distance / 2.0));
-            assert_eq!(db.weights(&[0, 1, 2, 63]), [0.0, 1.0, 2.0, 0.0]);
+            let weights = db.weights();
+            assert_eq!([0, 1, 2, 63].map(|i| weights[i]), [0.0, 1.0, 2.0, 0.0]);
         }
     }
 

@@ -31,6 +31,23 @@ pub struct CellBrief<'a> {
     pub style: &'a Style,
     /// Patches that the style may use.
     pub patches: &'a PatchDatabase,
+    /// Weight of each of these patches in this cell, 0 for one that may not be used here.
+    pub weights: &'a [f64],
+    /// Patches that stand in the cell whatever grows around them. They keep to the border and to each other as streets do.
+    pub pinned: &'a [PinnedPatch],
+}
+
+/// A patch with its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinnedPatch {
+    /// Index into [`PatchDatabase::patches`].
+    pub patch: usize,
+    /// Where the centre of its bounding circle lies, local to the town, in metres.
+    pub at: DVec2,
+    /// Angle by which it is turned against its drawing, in radians, counter-clockwise.
+    pub turned: f64,
+    /// Whether it is mirrored at its x axis, before it is turned.
+    pub mirrored: bool,
 }
 
 /// What made a local street.

@@ -29,7 +29,7 @@ impl Work<'_> {
         if p.at_most.is_some_and(|most| count >= most) || !self.brief.patches.facts(patch).shape.sound {
             0.0
         } else {
-            p.weight / (1.0 + 0.5 * f64::from(count))
+            self.brief.weights[patch] / (1.0 + 0.5 * f64::from(count))
         }
     }
 

@@ -22,6 +22,7 @@ pub(super) struct Sample<'a> {
 pub(super) struct Kit {
     pub style: Style,
     pub patches: PatchDatabase,
+    pub weights: Vec<f64>,
 }
 
 impl Kit {
@@ -39,7 +40,7 @@ impl Kit {
                 let style = style(name);
                 let sets: Vec<PatchSet> = style.patch_sets.iter().map(set).collect();
                 let patches = PatchDatabase::new(&sets.iter().collect::<Vec<_>>(), &style.allow, &style.exclude);
-                Self { style, patches }
+                Self { style, weights: patches.weights(), patches }
             })
             .into()
     }
@@ -56,6 +57,8 @@ impl<'a> Sample<'a> {
             field: &self.field,
             style: &self.kit.style,
             patches: &self.kit.patches,
+            weights: &self.kit.weights,
+            pinned: &[],
         }
     }
 
