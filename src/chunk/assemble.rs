@@ -28,7 +28,9 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
                 let (ground, at) = (Ground::height_at(terrain, plan), terrain.sample(plan));
                 if at.depth() > 0.0 { ground.max(at.water_level + DECK_CLEARANCE) } else { ground }
             };
-            chunk.decks.push(Deck::new(&found.it.street.moved(found.origin.offset_to(origin)), floor));
+            let street = found.it.street.moved(found.origin.offset_to(origin));
+            let below = if street.level > 0 { passed_over(layers, &street, origin, cancel)? } else { Vec::new() };
+            chunk.decks.push(Deck::new(&street, &below, floor));
         }
         if street_owner(found.origin, &found.it.street, size) == coord {
             chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));
@@ -50,6 +52,13 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         chunk.footprints.extend(parcels.footprints.iter().map(|f| f.moved(offset)));
     }
     Ok(chunk)
+}
+
+/// Roads below a bridge, whole and local to an origin, wherever the chunk is from which one looks at it.
+fn passed_over(layers: &Layers, bridge: &Street, origin: Origin, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
+    let near = layers.roads().overlapping(bridge.bounds().moved(origin.plan()), cancel)?;
+    let lower = near.iter().filter(|r| r.street.level < bridge.level && !r.street.tunnel);
+    Ok(lower.map(|r| r.street.moved(r.origin.offset_to(origin))).collect())
 }
 
 fn own_junction(chunk: &Chunk, id: JunctionId) -> bool {

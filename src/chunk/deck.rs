@@ -1,7 +1,10 @@
 //! Decks of bridges: what one stands on where there is no ground underfoot.
 
 use crate::network::{Street, StreetId};
-use crate::space::{closest_on_segment, cut_line, left_normal, line_length, resample};
+use crate::region::{CLEARANCE, rise};
+use crate::space::{
+    Bounds, closest_on_segment, cut_line, left_normal, line_length, resample, segment_crossing, segments,
+};
 use glam::DVec2;
 
 /// Height of a carriageway above the drawn ground at its ends, in metres.
@@ -17,7 +20,7 @@ pub fn junction_reach(street: &Street) -> f64 {
 }
 
 /// The deck of a bridge: it runs straight from the height of one end to that of the other, higher only where the ground
-/// between is.
+/// between is, or where it passes over another street.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deck {
     /// The bridge.
@@ -28,12 +31,14 @@ pub struct Deck {
     pub heights: Vec<f64>,
     /// Half of its width in metres.
     pub half_width: f64,
+    /// Where it passes over other streets: no pier stands there.
+    pub over: Vec<DVec2>,
 }
 
 impl Deck {
     /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` is the height that it
-    /// stays above at a local point: of the drawn ground or of water.
-    pub fn new(street: &Street, mut floor: impl FnMut(DVec2) -> f64) -> Self {
+    /// stays above at a local point: of the drawn ground or of water. `below` are the streets that it may pass over.
+    pub fn new(street: &Street, below: &[Street], mut floor: impl FnMut(DVec2) -> f64) -> Self {
         let (length, end) = (street.length(), junction_reach(street));
         let line = resample(&cut_line(&street.line, end, length - end), DECK_STEP);
         let (last, half_width) = (line.len() - 1, street.class.half_width());
@@ -47,7 +52,19 @@ impl Deck {
             let highest = [across, DVec2::ZERO, -across].map(|q| floor(p + q)).into_iter().fold(f64::MIN, f64::max);
             heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(highest + ROAD_LIFT));
         }
-        Self { street: street.id, line, heights, half_width }
+        let over = crossings(&line, below);
+        for (at, along) in &over {
+            let straight = |at: f64| ends[0] + (ends[1] - ends[0]) * (at / length);
+            let lift = (floor(*at) + ROAD_LIFT + CLEARANCE - straight(*along)).max(0.0);
+            let mut at = 0.0;
+            for (i, height) in heights.iter_mut().enumerate() {
+                at += if i > 0 { line[i].distance(line[i - 1]) } else { 0.0 };
+                let reach = if at < *along { *along } else { length - along };
+                *height = height.max(straight(at) + lift * rise((at - along) / reach.max(1e-3)));
+            }
+        }
+        let over = over.into_iter().map(|c| c.0).collect();
+        Self { street: street.id, line, heights, half_width, over }
     }
 
     /// Height of the deck at a local point, if the point lies on it.
@@ -62,6 +79,25 @@ impl Deck {
         }
         best.map(|(_, height)| height)
     }
+}
+
+/// Where a line crosses streets, and how far along the line.
+fn crossings(line: &[DVec2], below: &[Street]) -> Vec<(DVec2, f64)> {
+    let bounds = Bounds::of(line.iter().copied());
+    let near = below.iter().filter(|s| s.bounds().overlaps(bounds)).flat_map(|s| segments(&s.line));
+    let mut out: Vec<(DVec2, f64)> = Vec::new();
+    for (c, d) in near {
+        let mut along = 0.0;
+        for (a, b) in segments(line) {
+            if let Some(x) = segment_crossing(a, b, c, d)
+                && out.iter().all(|o| o.0 != x.at)
+            {
+                out.push((x.at, along + a.distance(x.at)));
+            }
+            along += a.distance(b);
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -81,7 +117,7 @@ mod tests {
         let line = vec![DVec2::ZERO, DVec2::X * 200.0];
         let street =
             Street { bridge: true, ..Street::new(StreetId(1), StreetClass::Minor, JunctionId(1), JunctionId(2), line) };
-        let deck = Deck::new(&street, ground);
+        let deck = Deck::new(&street, &[], ground);
         let reach = junction_reach(&street);
         let at = |x: f64, y: f64| deck.height(DVec2::new(x, y));
         assert!((at(reach + 0.01, 0.0).unwrap() - ground(DVec2::X * reach) - ROAD_LIFT).abs() < 0.01);

@@ -42,7 +42,12 @@ impl<K: Clone + Eq + Hash, V: Weigh> LayerCache<K, V> {
 
     /// The value of `key`, made by `make` if it is not there.
     pub fn get(&self, key: &K, make: impl FnOnce() -> Result<V, LayerError>) -> Result<Arc<V>, LayerError> {
-        self.cache.get_or_insert_with(key, || make().map(Arc::new))
+        self.get_shared(key, || make().map(Arc::new))
+    }
+
+    /// The same of a value that something else may hold, too.
+    pub fn get_shared(&self, key: &K, make: impl FnOnce() -> Result<Arc<V>, LayerError>) -> Result<Arc<V>, LayerError> {
+        self.cache.get_or_insert_with(key, make)
     }
 
     /// The value of `key` if it is there.

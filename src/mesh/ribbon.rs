@@ -163,9 +163,12 @@ pub(super) fn far_street(surface: &mut Surface<'_>, out: &mut MeshBuffers, stree
 const DECK: f64 = 0.9;
 const PARAPET: f64 = 1.0;
 
+/// Distance of piers from where a bridge passes over a street, in metres.
+const OPEN: f64 = 13.0;
+
 /// A bridge: its deck with parapets, on piers.
 fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &Street) {
-    let Some(Deck { line, heights, half_width: outer, .. }) = surface.deck(street.id) else { return };
+    let Some(Deck { line, heights, half_width: outer, over, .. }) = surface.deck(street.id) else { return };
     let (left, right) = (beside(line, *outer), beside(line, -outer));
     let (inner_left, inner_right) = (beside(line, outer - 0.3), beside(line, 0.3 - outer));
     let carriageway = carriageway_colour(street.class);
@@ -184,7 +187,7 @@ fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &Street) {
             quad((outer, PARAPET), (inner, PARAPET));
             quad((inner, PARAPET), (inner, 0.0));
         }
-        if i % 3 == 2 {
+        if i % 3 == 2 && over.iter().all(|p| p.distance(line[i]) > OPEN) {
             pier(surface, out, line, i, heights[i] - DECK, outer * 0.6);
         }
     }

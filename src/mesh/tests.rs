@@ -214,7 +214,7 @@ fn bridges_span_and_long_roads_leave_the_square() {
             Street::new(StreetId::of(&[k as u64]), StreetClass::Major, id(k as u64), id(k as u64 + 1), line);
         street.bridge = k == 1;
         if street.bridge {
-            chunk.decks.push(Deck::new(&street, |p| chunk.ground.height(p)));
+            chunk.decks.push(Deck::new(&street, &[], |p| chunk.ground.height(p)));
         }
         chunk.streets.push(PlacedStreet { street, made_by: None });
     }

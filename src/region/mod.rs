@@ -15,7 +15,8 @@ pub mod settlement;
 pub use border::Border;
 pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 pub use outline::{Outline, SharedBorder};
-pub use road::{Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
+pub(crate) use road::{CLEARANCE, rise};
+pub use road::{Crossing, Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
     PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements,
     SizeClass,

@@ -32,6 +32,8 @@ pub(super) enum Key {
     At { x: i64, y: i64 },
     /// The same on a bridge (level 1) or in a tunnel (level -1), but for its ends.
     Span { x: i64, y: i64, level: i8 },
+    /// The vertex of a road that passes over a highway, at the place of the highway's own.
+    Over { x: i64, y: i64 },
     /// A gate: the lattice cell it lies in, its settlement and its vertex in the outline.
     Gate { x: i64, y: i64, settlement: u64, vertex: u32 },
 }
@@ -75,8 +77,33 @@ impl Key {
     /// Lattice cell that the vertex lies in.
     pub fn cell(self) -> I64Vec2 {
         match self {
-            Self::At { x, y } | Self::Span { x, y, .. } => I64Vec2::new(x, y).div_euclid(I64Vec2::splat(PARTS)),
+            Self::At { x, y } | Self::Span { x, y, .. } | Self::Over { x, y } => {
+                I64Vec2::new(x, y).div_euclid(I64Vec2::splat(PARTS))
+            }
             Self::Gate { x, y, .. } => I64Vec2::new(x, y),
+        }
+    }
+
+    /// The node of the lattice that it is, if it is one on the ground.
+    pub fn lattice_node(self) -> Option<I64Vec2> {
+        let cell = self.cell();
+        (self == Self::node(cell)).then_some(cell)
+    }
+
+    /// The vertex at the same place of a road that passes over this one.
+    pub fn over(self) -> Self {
+        let (x, y) = match self {
+            Self::At { x, y } => (x, y),
+            other => return other,
+        };
+        Self::Over { x, y }
+    }
+
+    /// The vertex that this one passes over, if it does.
+    pub fn under(self) -> Option<Self> {
+        match self {
+            Self::Over { x, y } => Some(Self::At { x, y }),
+            _ => None,
         }
     }
 
@@ -95,6 +122,7 @@ impl Key {
         match self {
             Self::At { x, y } => [1, x as u64, y as u64, 0],
             Self::Span { x, y, level } => [4, x as u64, y as u64, level as u64],
+            Self::Over { x, y } => [5, x as u64, y as u64, 0],
             Self::Gate { settlement, vertex, .. } => [2, settlement, u64::from(vertex), 0],
         }
     }
@@ -108,7 +136,7 @@ impl Key {
     pub fn place(self, step: i64) -> Place {
         let cell = self.cell();
         let parts = match self {
-            Self::At { x, y } | Self::Span { x, y, .. } => I64Vec2::new(x, y) - cell * PARTS,
+            Self::At { x, y } | Self::Span { x, y, .. } | Self::Over { x, y } => I64Vec2::new(x, y) - cell * PARTS,
             Self::Gate { .. } => I64Vec2::ZERO,
         };
         let offset = quantize((parts * step).as_dvec2() / PARTS as f64);

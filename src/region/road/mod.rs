@@ -18,8 +18,10 @@
 //! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
 //!    outlines about 2 km around the tile with the default settings. After it, in tiles of its own, lesser roads meet better
 //!    ones at blunter angles and cross them at one place; this reads merged graphs and outlines about 1 km around.
-//! 6. `shape`: smoothing, in the same tiles. Reads these graphs two tiles around, and outlines 16 steps around.
-//! 7. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
+//! 6. `over`: where roads cross highways at right angles or nearly, they pass over on a bridge, and a ramp joins both if the
+//!    settings say so. Reads the graph before and after merging one tile around.
+//! 7. `shape`: smoothing, in the same tiles. Reads these graphs two tiles around, and outlines 16 steps around.
+//! 8. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
 //!    tunnels, with heights (`profile`).
 //!
 //! # Padding
@@ -51,6 +53,7 @@ mod led;
 mod merge;
 mod network;
 mod node;
+mod over;
 mod pairs;
 mod piece;
 mod places;
@@ -66,7 +69,8 @@ mod way_points;
 mod wide;
 
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
-pub use settings::{RoadSettings, TierSettings};
+pub(crate) use over::{CLEARANCE, rise};
+pub use settings::{Crossing, RoadSettings, TierSettings};
 
 use crate::layer::{Cancel, LayerCache, LayerError};
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
@@ -152,6 +156,7 @@ struct Work {
     graphs: LayerCache<[i64; 2], graph::Graph>,
     merged: LayerCache<[i64; 2], graph::Graph>,
     feet: LayerCache<[i64; 2], graph::Graph>,
+    separated: LayerCache<[i64; 2], graph::Graph>,
     shapes: LayerCache<[i64; 2], shape::Shapes>,
     along: LayerCache<[graph::Key; 2], piece::Pieces>,
     tiles: LayerCache<[i64; 2], piece::Pieces>,
@@ -178,7 +183,7 @@ fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 35 * parts;
+        let share = |parts: usize| bytes / 36 * parts;
         Self {
             settings: settings.clone(),
             terrain,
@@ -196,6 +201,7 @@ impl Work {
             graphs: LayerCache::new(share(3)),
             merged: LayerCache::new(share(2)),
             feet: LayerCache::new(share(2)),
+            separated: LayerCache::new(share(1)),
             shapes: LayerCache::new(share(2)),
             along: LayerCache::new(share(2)),
             tiles: LayerCache::new(share(3)),
@@ -290,7 +296,7 @@ impl Work {
 
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
-            let around = around(tile, shape::RING).map(|t| self.feet(t, cancel));
+            let around = around(tile, shape::RING).map(|t| self.separated(t, cancel));
             shape::shapes(self, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
         })
     }
@@ -301,6 +307,11 @@ impl Work {
 
     fn feet(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
         self.feet.get(&tile.to_array(), || merge::feet(self, tile, cancel))
+    }
+
+    /// The graph as it is built.
+    fn separated(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<graph::Graph>, LayerError> {
+        self.separated.get_shared(&tile.to_array(), || over::separated(self, tile, cancel))
     }
 
     fn tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<piece::Pieces>, LayerError> {

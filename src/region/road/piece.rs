@@ -2,12 +2,16 @@
 
 use super::course::Course;
 use super::graph::{Graph, Key, tile_bounds};
+use super::over::{CLEARANCE, HALF_LENGTH, rise};
 use super::profile::Profile;
 use super::shape::{Shape, Shapes, corner};
 use super::{Road, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::network::{JunctionId, Street, StreetId};
-use crate::space::{Bounds, Origin, cut_line, line_length, point_at, quantize, segments, stable_hash};
+use crate::space::{
+    Bounds, Origin, closest_on_line, cut_line, line_length, math::mix, point_at, quantize, segment_crossing, segments,
+    stable_hash,
+};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -52,7 +56,7 @@ impl Walk<'_> {
         if let Some(held) = self.graphs.get(&tile.to_array()) {
             return Ok(held.clone());
         }
-        let made = self.work.feet(tile, self.cancel)?;
+        let made = self.work.separated(tile, self.cancel)?;
         self.graphs.insert(tile.to_array(), made.clone());
         Ok(made)
     }
@@ -185,8 +189,17 @@ fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
     words.extend(keys[keys.len() / 2].words());
     words.extend([from.0, to.0]);
     let name = stable_hash(&words);
+    let mut overpasses = Vec::new();
+    for i in 1..places.len().saturating_sub(1) {
+        if let Some(under) = keys[i].under() {
+            overpasses.push(overpass(walk, under, [&places[i - 1], &places[i], &places[i + 1]], origin, &line)?);
+        }
+    }
     let work = walk.work;
-    let parts = all_parts(work, origin, &line, &runs);
+    let mut parts = all_parts(work, origin, &line, &runs);
+    for over in &overpasses {
+        parts = raise(parts, &line, over);
+    }
     let profile = Profile::along(&*work.terrain, origin, &line, &runs, work.settings.class(class).slope_limit);
     let mut out = Vec::new();
     let mut at = 0.0;
@@ -198,6 +211,9 @@ fn build(walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
         };
         let id = StreetId::of(&[name, end(i).0, end(i + 1).0, i as u64]);
         let (mut heights, ends) = profile.heights(&part.line, at);
+        for over in overpasses.iter().filter(|o| at < o.along && o.along < ends) {
+            over.lift(&part.line, at, &mut heights);
+        }
         at = ends;
         if let (true, Some(last)) = (i + 1 == parts.len(), heights.last_mut()) {
             *last = profile.end();
@@ -234,6 +250,127 @@ fn all_parts(work: &Work, origin: Origin, line: &[DVec2], runs: &[(usize, i8)]) 
             Part { line, level: 0, bridge }
         }));
     }
+    out
+}
+
+/// Where a line passes over a highway.
+struct Overpass {
+    /// Metres along the line.
+    along: f64,
+    /// Height that the line has at least there.
+    height: f64,
+}
+
+/// The crossing of a line with the highway that has the vertex `under`. `around` are the line's own vertex there and those
+/// before and after it.
+fn overpass(
+    walk: &mut Walk,
+    under: Key,
+    around: [&Shape; 3],
+    origin: Origin,
+    line: &[DVec2],
+) -> Result<Overpass, LayerError> {
+    let mut below: Vec<Shape> = Vec::new();
+    if let Some(v) = walk.graph(under.tile())?.vertices.get(&under) {
+        for (key, place) in v.ways.iter().map(|w| (w.to, w.place)).chain([(under, v.place)]) {
+            below.push(walk.shape(key)?.unwrap_or(Shape { place, round: false }));
+        }
+    }
+    // Between the middles of the edges before and after.
+    let curve = |before: &Shape, at: &Shape, after: &Shape| {
+        let middle = |s: &Shape| at.place.moved(s.place.from(&at.place) / 2.0);
+        let places = std::iter::once(middle(before)).chain(corner(before, at, after)).chain([middle(after)]);
+        places.map(|p| p.local_to(origin)).collect::<Vec<_>>()
+    };
+    let own = curve(around[0], around[1], around[2]);
+    let met = if let [before, after, at] = below.as_slice() {
+        let other = curve(before, at, after);
+        segments(&own)
+            .flat_map(|(a, b)| segments(&other).map(move |(c, d)| segment_crossing(a, b, c, d)).collect::<Vec<_>>())
+            .flatten()
+            .next()
+            .map(|c| c.at)
+    } else {
+        None
+    };
+    let at = met.unwrap_or_else(|| around[1].place.local_to(origin));
+    let height = walk.work.terrain.height(origin.to_plan(at)) + CLEARANCE;
+    Ok(Overpass { along: closest_on_line(at, line).0, height })
+}
+
+impl Overpass {
+    /// Lifts the heights along its bridge, a part of the line that begins at a length along it.
+    fn lift(&self, part: &[DVec2], from: f64, heights: &mut [f64]) {
+        let length = line_length(part);
+        let (Some(first), Some(last)) = (heights.first().copied(), heights.last().copied()) else { return };
+        let straight = |at: f64| mix(first, last, at / length.max(1e-9));
+        let own = self.along - from;
+        let lift = (self.height - straight(own)).max(0.0);
+        let mut at = 0.0;
+        for (i, height) in heights.iter_mut().enumerate() {
+            at += if i > 0 { part[i].distance(part[i - 1]) } else { 0.0 };
+            *height = straight(at) + lift * rise((at - own) / if at < own { own } else { length - own });
+        }
+    }
+}
+
+/// The parts of a line with a bridge over a highway. Bridges that it would meet become one with it.
+fn raise(parts: Vec<Part>, line: &[DVec2], over: &Overpass) -> Vec<Part> {
+    let (mut from, mut to) = (over.along - HALF_LENGTH, over.along + HALF_LENGTH);
+    let mut at = 0.0;
+    let mut ranges: Vec<(f64, f64, Part)> = Vec::new();
+    for part in parts {
+        let length = line_length(&part.line);
+        ranges.push((at, at + length, part));
+        at += length;
+    }
+    for (a, b, part) in &ranges {
+        if part.bridge && *a < to + SHORT_LAND && *b > from - SHORT_LAND {
+            (from, to) = (from.min(*a), to.max(*b));
+        }
+    }
+    (from, to) = (if from < SHORT_END { 0.0 } else { from }, if to > at - SHORT_END { at } else { to });
+    let mut out: Vec<Part> = Vec::new();
+    let mut bridge = Some(Part { line: even(&cut(line, (from, to))), level: 1, bridge: true });
+    for (a, b, part) in ranges {
+        if b <= from || a >= to {
+            if a >= to {
+                out.extend(bridge.take());
+            }
+            out.push(part);
+            continue;
+        }
+        if a < from {
+            out.push(Part { line: cut(&part.line, (0.0, from - a)), ..part });
+        }
+        if b >= to {
+            out.extend(bridge.take());
+        }
+        if b > to {
+            out.push(Part { line: cut(&part.line, (to - a, b - a)), ..part });
+        }
+    }
+    out.extend(bridge);
+    // Its ends were found along another line.
+    for i in 1..out.len() {
+        let (head, tail) = out.split_at_mut(i);
+        if let ([.., before], [after, ..]) = (head, tail)
+            && let ([.., end], [begin, ..]) = (before.line.as_mut_slice(), after.line.as_mut_slice())
+        {
+            if before.level > 0 { *end = *begin } else { *begin = *end }
+        }
+    }
+    out
+}
+
+/// The line with points at most 16 m apart, so that it can rise between them.
+fn even(line: &[DVec2]) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = line[..1].to_vec();
+    for (a, b) in segments(line) {
+        let count = (a.distance(b) / 16.0).ceil().max(1.0) as usize;
+        out.extend((1..=count).map(|i| if i == count { b } else { quantize(a.lerp(b, i as f64 / count as f64)) }));
+    }
+    out.dedup();
     out
 }
 

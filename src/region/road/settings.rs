@@ -22,6 +22,18 @@ pub struct RoadSettings {
     pub minor: TierSettings,
 }
 
+/// How a road crosses a highway, where the ground and what is near allow it; elsewhere by a junction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+pub enum Crossing {
+    /// At a junction.
+    Junction,
+    /// On a bridge, without a way from one to the other; where a road leads from one to the other, at a junction.
+    Bridge,
+    /// On a bridge, with a ramp from one to the other.
+    Interchange,
+}
+
 /// Settings of one class of roads. Costs are in metres of flat open ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
@@ -73,6 +85,8 @@ pub struct TierSettings {
     /// Least radius of bends in metres, but at junctions: 10 to 1000. Bends of one heading, 270 m on a lattice of 128 m,
     /// are always allowed.
     pub radius: f64,
+    /// How it crosses highways.
+    pub over_highways: Crossing,
     /// Greatest extra cost per metre that varies from place to place for no reason that the terrain knows: 0 to 1. Roads
     /// that it makes wind by little find to each other.
     pub rough: f64,
@@ -102,6 +116,7 @@ impl Default for TierSettings {
             beside: 1.0,
             turn: 4.0,
             radius: 50.0,
+            over_highways: Crossing::Bridge,
             rough: 0.08,
         }
     }
@@ -121,6 +136,7 @@ impl Default for RoadSettings {
             tunnel_limit: 700.0,
             turn: 5.0,
             radius: 120.0,
+            over_highways: Crossing::Interchange,
             ..minor.clone()
         };
         let highway = TierSettings {
@@ -139,6 +155,7 @@ impl Default for RoadSettings {
             tunnel_limit: 1_600.0,
             turn: 6.0,
             radius: 250.0,
+            over_highways: Crossing::Interchange,
             ..minor.clone()
         };
         Self { step: 128, merge: 275.0, highway, major, minor }

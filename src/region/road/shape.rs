@@ -193,6 +193,10 @@ impl Line {
     /// Whether two lines might meet.
     fn clashes(&self, f: &Line, bends: &BTreeMap<Key, Bend>, of: fn(&Stray) -> f64) -> bool {
         match self.ends.iter().position(|k| f.ends.contains(k)) {
+            // Where one passes over the other, they are on two levels.
+            None if self.ends.iter().any(|k| f.ends.iter().any(|o| k.under() == Some(*o) || o.under() == Some(*k))) => {
+                false
+            }
             None => {
                 let apart = segment_distance(self.at[0], self.at[1], f.at[0], f.at[1]);
                 apart < self.stray(of) + f.stray(of) + APART

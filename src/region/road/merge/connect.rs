@@ -70,7 +70,7 @@ pub fn rebuild(rules: &mut Rules, tile: I64Vec2) -> Result<Graph, LayerError> {
 pub fn parts(key: Key) -> Option<I64Vec2> {
     match key {
         Key::At { x, y } => Some(I64Vec2::new(x, y)),
-        Key::Gate { .. } | Key::Span { .. } => None,
+        Key::Gate { .. } | Key::Span { .. } | Key::Over { .. } => None,
     }
 }
 

@@ -31,9 +31,11 @@ mod rules;
 use super::graph::{Graph, TILE_STEPS, tile_bounds};
 use super::{RoadSettings, Work, around};
 use crate::layer::{Cancel, LayerError, Reach};
+pub(super) use connect::parts;
 pub(super) use feet::feet;
 use glam::I64Vec2;
-use net::Net;
+pub(super) use net::Net;
+pub(super) use rules::Rules;
 
 /// Length in steps of the stretch, each way from a vertex, over which a course is watched.
 const WATCHED_STEPS: f64 = 3.0;
@@ -43,7 +45,7 @@ const NEARER: f64 = 11.0;
 const EDGE_STEPS: f64 = 2.237;
 
 /// Greatest length of a connector in metres: over the merge distance at half a right angle.
-fn longest_connector(settings: &RoadSettings) -> f64 {
+pub(super) fn longest_connector(settings: &RoadSettings) -> f64 {
     1.4 * settings.merge
 }
 

@@ -4,6 +4,7 @@ mod costs;
 mod edits;
 mod ground;
 mod merging;
+mod over;
 
 use super::lattice::node_at;
 use super::*;
