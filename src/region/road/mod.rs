@@ -19,7 +19,7 @@
 //!    outlines about 2 km around the tile with the default settings. After it, in tiles of its own, lesser roads meet better
 //!    ones at blunter angles and cross them at one place; this reads merged graphs and outlines about 1 km around.
 //! 6. `over`: where roads cross highways at right angles or nearly, they pass over on a bridge, and a ramp joins both if the
-//!    settings say so. Reads the graph before and after merging one tile around.
+//!    settings say so. Reads the graph before and after merging about 1 km around.
 //! 7. `shape`: smoothing, in the same tiles. Reads these graphs two tiles around, and outlines 16 steps around.
 //! 8. `piece`: lines between junctions, followed from tile to tile as far as they go, cut at the ends of bridges and
 //!    tunnels, with heights (`profile`).

@@ -1,5 +1,5 @@
 //! Crossings of highways on two levels. Makes the graph in which lesser roads pass over a highway on a bridge instead of
-//! meeting it, tile by tile; reads the graph after merging one tile around, and where roads are only bridged the courses.
+//! meeting it, tile by tile; reads the graph after merging about 1 km around, and where roads are only bridged the graph before it and the courses.
 //!
 //! A crossing has two ways of the highway and two of another road, each going on nearly straight. The other road gets a vertex
 //! of its own there ([`Key::Over`]), so that its line runs on, and `piece` makes a bridge of the stretch around it. With
@@ -13,9 +13,8 @@
 
 use super::course::courses;
 use super::graph::{Graph, Key, TILE_STEPS, Vertex, join, tile_bounds};
-use super::merge::{Net, Rules, longest_connector, parts};
-use super::settings::Crossing;
-use super::{Work, around};
+use super::merge::{Net, Rules, longest_connector, longest_stem, parts};
+use super::{Crossing, RoadSettings, Work, around};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::StreetClass;
 use crate::region::SizeClass;
@@ -42,8 +41,8 @@ const ALONE: f64 = 480.0;
 /// Distance from a crossing, in metres, within which nothing may have been merged if there is no ramp: what has gone lay within
 /// the merge distance of the better ways that join its ends, and is a few hundred metres long.
 const UNMERGED: f64 = 480.0;
-/// Least and greatest distance along the highway from the crossing to a ramp, in metres.
-const RAMP_AT: (f64, f64) = (90.0, 330.0);
+/// Least distance along the highway from the crossing to a ramp, and that from which on no further vertex is tried.
+const RAMP_AT: (f64, f64) = (90.0, 200.0);
 /// Least angle in radians between a ramp and a road.
 const RAMP_ANGLE: f64 = 0.5;
 
@@ -75,9 +74,16 @@ struct Stop {
     plain: bool,
 }
 
-/// How far in metres around its tile the graph depends on that after merging.
-pub(super) fn padding(step: i64) -> f64 {
-    (TILE_STEPS * step) as f64
+/// Length in metres of the longest way in the graph, and of the longest ramp.
+fn longest(settings: &RoadSettings) -> f64 {
+    longest_connector(settings).max(longest_stem(settings))
+}
+
+/// How far in metres around its tile the graph depends on that after merging: a way into the tile, and what lies around the
+/// crossing where it begins.
+pub(super) fn padding(settings: &RoadSettings) -> f64 {
+    let along = (HALF_LENGTH + RUN_OUT).max(RAMP_AT.1) + longest(settings) + CLEAR;
+    longest(settings) + along.max(ALONE).max(UNMERGED)
 }
 
 /// The graph of one tile with highways passed over.
@@ -89,23 +95,24 @@ pub(super) fn separated(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<A
     }
     // Most tiles have no highway near, and there the graph after merging is not needed.
     let is_highway = |v: &Vertex| v.ways.iter().any(|w| w.rank.class == StreetClass::Highway);
+    let ring = (padding(&work.settings) / (TILE_STEPS * work.settings.step) as f64).ceil() as i64;
     let mut near = false;
-    for t in around(tile, 1) {
+    for t in around(tile, ring) {
         near |= work.graph(t, cancel)?.vertices.values().any(is_highway);
     }
     if !near {
         return Ok(own);
     }
-    let graphs = around(tile, 1).map(|t| work.feet(t, cancel)).collect::<Result<Vec<_>, _>>()?;
+    let graphs = around(tile, ring).map(|t| work.feet(t, cancel)).collect::<Result<Vec<_>, _>>()?;
     if !graphs.iter().any(|g| g.vertices.values().any(|v| v.ways.len() == 4 && is_highway(v))) {
         return Ok(own);
     }
     let bounds = tile_bounds(tile, work.settings.step);
-    let reach = Reach::new("roads", bounds, padding(work.settings.step));
+    let reach = Reach::new("roads", bounds, padding(&work.settings));
     let net = Net::new(work, tile, reach, &graphs)?;
     let vertices = graphs.iter().flat_map(|g| &g.vertices).map(|(k, v)| (*k, v)).collect();
     let over = Over { work, rules: Rules::new(work, net), vertices, cancel };
-    let near = over.net().own.grown(longest_connector(&work.settings));
+    let near = over.net().own.grown(longest(&work.settings));
     let mut found = Vec::new();
     for node in over.net().nodes_in(near)? {
         found.extend(over.separated(node)?);
@@ -254,10 +261,11 @@ impl Over<'_> {
     fn is_unmerged(&self, node: usize) -> Result<bool, LayerError> {
         let Key::At { .. } = self.net().nodes[node].key else { return Ok(false) };
         let place = self.net().nodes[node].place;
+        let ring = (UNMERGED / (TILE_STEPS * self.work.settings.step) as f64).ceil() as i64;
         let near = |v: &Vertex| v.place.from(&place).length() < UNMERGED;
         let same = |v: &Vertex, w: &Vertex| v.ways.iter().map(|w| w.to).eq(w.ways.iter().map(|w| w.to));
         let mut count = 0;
-        for tile in around(self.net().nodes[node].key.tile(), 1) {
+        for tile in around(self.net().nodes[node].key.tile(), ring) {
             let graph = self.work.graph(tile, self.cancel)?;
             for (key, v) in graph.vertices.iter().filter(|(_, v)| near(v)) {
                 count += 1;
@@ -293,7 +301,7 @@ impl Over<'_> {
     /// Ends of the best ramp, on the highway and on the other road.
     fn ramp(&self, node: usize, highway: [usize; 2], over: [usize; 2]) -> Result<Option<[usize; 2]>, LayerError> {
         let net = self.net();
-        let longest = longest_connector(&self.work.settings);
+        let longest = longest(&self.work.settings);
         let mut scored: Vec<(f64, [usize; 2])> = Vec::new();
         for h in highway {
             let on_highway = self.run(node, h, RAMP_AT.1);

@@ -45,6 +45,6 @@ impl RoadSettings {
         // What is merged and shaped differently, and the line that it is part of as far as the next junction.
         let tile = (TILE_STEPS * self.step) as f64;
         let longest = SizeClass::ALL.map(|tier| self.tier(tier).padding(self.step)).into_iter().fold(0.0, f64::max);
-        courses + merge::reads(self) + over::padding(self.step) + (RING + 1) as f64 * tile + 2.0 * longest
+        courses + merge::reads(self) + over::padding(self) + (RING + 1) as f64 * tile + 2.0 * longest
     }
 }

@@ -32,7 +32,7 @@ use super::graph::{Graph, TILE_STEPS, tile_bounds};
 use super::{RoadSettings, Work, around};
 use crate::layer::{Cancel, LayerError, Reach};
 pub(super) use connect::parts;
-pub(super) use feet::feet;
+pub(super) use feet::{feet, longest_stem};
 use glam::I64Vec2;
 pub(super) use net::Net;
 pub(super) use rules::Rules;
@@ -79,8 +79,7 @@ pub(super) fn reads(settings: &RoadSettings) -> f64 {
 /// decide otherwise lie within a stem, the longer of an edge and a connector, and a rung.
 fn plain(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Option<Graph>, LayerError> {
     let (settings, step) = (&work.settings, work.settings.step as f64);
-    let reads =
-        feet::longest_stem(settings) + (EDGE_STEPS * step).max(longest_connector(settings)) + longest_rung(settings);
+    let reads = longest_stem(settings) + (EDGE_STEPS * step).max(longest_connector(settings)) + longest_rung(settings);
     let ring = (reads / (TILE_STEPS as f64 * step)).ceil() as i64;
     let mut rank = None;
     for tile in around(tile, ring) {

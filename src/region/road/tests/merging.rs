@@ -1,5 +1,6 @@
 //! What merging leaves of the roads.
 
+use super::over;
 use super::*;
 use crate::region::SettlementSettings;
 use crate::space::Seed;
@@ -203,6 +204,8 @@ fn the_same_where_feet_move_whatever_was_asked_before() {
 
 #[test]
 fn what_was_connected_stays_connected() {
+    // But for crossings on two levels, which join nothing.
+    let world = |seed, merge| over::all_cross_by(world(seed, merge), Crossing::Junction);
     for (seed, centre) in [(107, DVec2::new(215_300.0, -8_300.0)), (1, DVec2::ZERO), (3, DVec2::new(5e8, -3e8))] {
         let window = Bounds::square(centre, 9_000.0);
         let unmerged = world(seed, 0.0);

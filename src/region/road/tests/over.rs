@@ -4,21 +4,24 @@ use super::*;
 use crate::region::road::over::{CLEARANCE, HALF_LENGTH};
 use crate::space::{distance_to_line, line_length};
 
+/// Roads of which all classes cross highways by one rule.
+pub fn all_cross_by(mut roads: Roads, rule: Crossing) -> Roads {
+    let s = &mut roads.work.settings;
+    for tier in [&mut s.highway, &mut s.major, &mut s.minor] {
+        tier.over_highways = rule;
+    }
+    roads
+}
+
 /// Roads of a drawn world in which all classes cross highways by one rule, or by the default ones.
 fn world(i: u64, rule: Option<Crossing>) -> (Roads, DVec2) {
     let (seed, centre) = merging::drawn(i);
-    let mut roads = merging::world(seed, 275.0);
-    if let Some(rule) = rule {
-        let s = &mut roads.work.settings;
-        for tier in [&mut s.highway, &mut s.major, &mut s.minor] {
-            tier.over_highways = rule;
-        }
-    }
-    (roads, centre)
+    let roads = merging::world(seed, 275.0);
+    (if let Some(rule) = rule { all_cross_by(roads, rule) } else { roads }, centre)
 }
 
 /// Bridges over highways among pieces, with the highway below.
-fn overpasses(pieces: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)> {
+pub fn overpasses(pieces: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)> {
     let mut out = Vec::new();
     for r in pieces.iter().filter(|r| r.street.level == 1) {
         for s in pieces.iter().filter(|s| s.street.level == 0 && s.street.class == StreetClass::Highway) {
@@ -121,4 +124,14 @@ fn crossings_on_two_levels_part_nothing() {
         assert_eq!(joined, of(Crossing::Interchange));
     }
     assert!(settlements > 20, "{settlements}");
+}
+
+#[test]
+fn the_same_at_crossings_whatever_was_asked_before() {
+    for i in [300, 303] {
+        let (roads, centre) = world(i, None);
+        let pieces = all(&roads, Bounds::square(centre, 14_000.0));
+        let (bridge, _, at) = overpasses(&pieces)[0];
+        assert_same_whatever_was_asked(|| world(i, None).0, bridge.origin.to_plan(at), 1_000.0);
+    }
 }
