@@ -128,10 +128,13 @@ fn crossings_on_two_levels_part_nothing() {
 
 #[test]
 fn the_same_at_crossings_whatever_was_asked_before() {
-    for i in [300, 303] {
+    let mut places = 0;
+    for i in 300..305 {
         let (roads, centre) = world(i, None);
         let pieces = all(&roads, Bounds::square(centre, 14_000.0));
-        let (bridge, _, at) = overpasses(&pieces)[0];
+        let Some((bridge, _, at)) = overpasses(&pieces).first().copied() else { continue };
         assert_same_whatever_was_asked(|| world(i, None).0, bridge.origin.to_plan(at), 1_000.0);
+        places += 1;
     }
+    assert!(places > 1, "{places}");
 }
