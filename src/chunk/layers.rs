@@ -2,35 +2,31 @@
 //!
 //! A town's seams read the plans of the towns that it touches; plans read nothing of each other but the borders.
 
+use super::counts::share_out;
+use super::kits::{Blend, CellStyle, Kits, Spread, StyleKit};
 use crate::chunk::PlacedStreet;
 use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
 use crate::parcel::{self, CellParcels, ParcelBrief};
-use crate::patch::PatchDatabase;
+use crate::patch::PatchSet;
+use crate::region::edits::{EditList, PatchEdit, RejectedEdit};
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
 use crate::seam::{self, Across, Seam};
-use crate::space::{Bounds, Origin, Seed};
-use crate::streets::{CellBrief, CellFiller, CellStreets, SemanticPatches};
+use crate::space::{Bounds, Origin, Seed, point_in_polygon, quantize};
+use crate::streets::{CellBrief, CellFiller, CellStreets, PinnedPatch, SemanticPatches};
 use crate::terrain::Terrain;
-use crate::town::{self, Filler, MainCell, Style, Town};
+use crate::town::{self, CellUse, Filler, MainCell, ParcelRules, Style, Town};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-/// A style with the patches that it may use.
-#[derive(Clone, Debug)]
-pub struct StyleKit {
-    /// The style.
-    pub style: Arc<Style>,
-    /// Its patches.
-    pub patches: PatchDatabase,
-}
 
 /// A town with its seams.
 #[derive(Clone, Debug)]
 pub struct SeamedTown {
     /// Main streets and main cells.
     pub town: Arc<Town>,
+    /// What each main cell is filled with.
+    pub cells: Vec<CellStyle>,
     /// Seams, one for each main street.
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
@@ -39,14 +35,22 @@ pub struct SeamedTown {
     pub shared: BTreeMap<StreetId, Origin>,
 }
 
+/// A town's plan with the styles of its main cells.
+struct Planned {
+    town: Arc<Town>,
+    /// What is mixed in each cell, and the mixture.
+    cells: Vec<(Blend, CellStyle)>,
+}
+
 /// Layers 1 to 7 of a world. Each thing is made once and kept while the cache of its layer has room.
 pub struct Layers {
     seed: Seed,
     terrain: Arc<dyn Terrain>,
     settlements: Arc<Settlements>,
     roads: Roads,
-    kits: BTreeMap<String, StyleKit>,
-    plans: LayerCache<SettlementId, Town>,
+    kits: Kits,
+    pins: Vec<PatchEdit>,
+    plans: LayerCache<SettlementId, Planned>,
     towns: LayerCache<SettlementId, SeamedTown>,
     streets: LayerCache<(SettlementId, usize), CellStreets>,
     parcels: LayerCache<(SettlementId, usize), CellParcels>,
@@ -73,14 +77,17 @@ pub(crate) struct Overlap {
 }
 
 impl Layers {
-    /// The layers of a world. `kits` holds every style that a settlement may name; `town_bytes` bounds the memory of
-    /// towns, streets and parcels together.
+    /// The layers of a world. `kits` holds every style that a settlement or another style may name, `sets` every patch set, `pins`
+    /// the patches that the user wants somewhere; `town_bytes` bounds the memory of towns, streets and parcels together.
+    #[expect(clippy::too_many_arguments, reason = "the things that a world is made of")]
     pub fn new(
         seed: Seed,
         terrain: Arc<dyn Terrain>,
         settlements: Arc<Settlements>,
         roads: Roads,
         kits: BTreeMap<String, StyleKit>,
+        sets: BTreeMap<String, Arc<PatchSet>>,
+        pins: Vec<PatchEdit>,
         town_bytes: usize,
     ) -> Self {
         let share = town_bytes / 4;
@@ -89,7 +96,8 @@ impl Layers {
             terrain,
             settlements,
             roads,
-            kits,
+            kits: Kits::new(kits, sets),
+            pins,
             plans: LayerCache::new(share / 4),
             towns: LayerCache::new(share / 4 * 3),
             streets: LayerCache::new(share),
@@ -123,33 +131,141 @@ impl Layers {
         self.parcels.clear();
     }
 
-    fn kit(&self, settlement: &Settlement) -> Result<&StyleKit, LayerError> {
-        self.kits.get(&settlement.style).ok_or_else(|| LayerError::UnknownStyle(settlement.style.clone()))
-    }
-
     /// Main streets and main cells of a settlement.
     pub fn plan(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<Town>, LayerError> {
+        Ok(self.planned(settlement, cancel)?.town.clone())
+    }
+
+    fn planned(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<Planned>, LayerError> {
         self.plans.get(&settlement.id, || {
             let outline = self.settlements.outline(settlement)?;
             let gates = self.roads.gates(settlement, cancel)?;
-            let style = &self.kit(settlement)?.style;
-            town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)
+            let style = &self.kits.of(&settlement.style)?.style;
+            let town = town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)?;
+            let own = self.kits.spread(settlement, &outline)?;
+            let mut across: Vec<(Spread, _)> = Vec::new();
+            for other in self.settlements.touching(settlement)? {
+                let there = self.settlements.outline(&other)?;
+                for shared in outline.shared.iter().filter(|s| s.border.sides.contains(&other.id)) {
+                    across.push((self.kits.spread(&other, &there)?, shared.border.clone()));
+                }
+            }
+            let mut cells = Vec::with_capacity(town.cells.len());
+            for cell in &town.cells {
+                let blend = own.blend(cell.anchor, &across);
+                let style = self.kits.mix(self.seed, cell.id, &blend, &[])?;
+                cells.push((blend, style));
+            }
+            Ok(Planned { town: Arc::new(town), cells })
         })
     }
 
     /// Main streets, main cells and seams of a settlement.
     pub fn town(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<SeamedTown>, LayerError> {
         self.towns.get(&settlement.id, || {
-            let town = self.plan(settlement, cancel)?;
+            let plan = self.planned(settlement, cancel)?;
             let mut touched = Vec::new();
             for other in self.settlements.touching(settlement)? {
-                touched.push((self.plan(&other, cancel)?, &*self.kit(&other)?.style));
+                touched.push(self.planned(&other, cancel)?);
             }
-            let across: Vec<Across> = touched.iter().map(|(town, style)| Across { town, style }).collect();
-            let seams = seam::seams(self.seed, &town, &self.kit(settlement)?.style, &across);
-            let mains = seam::main_network(&town, &seams);
-            let shared = seam::shared_streets(&town, &seams);
-            Ok(SeamedTown { town, seams, mains, shared })
+            fn styles(plan: &Planned) -> Vec<&Style> {
+                plan.cells.iter().map(|(_, cell)| &*cell.style).collect()
+            }
+            let theirs: Vec<Vec<&Style>> = touched.iter().map(|plan| styles(plan)).collect();
+            let across: Vec<Across> =
+                touched.iter().zip(&theirs).map(|(plan, styles)| Across { town: &plan.town, styles }).collect();
+            let seams = seam::seams(self.seed, &plan.town, &styles(&plan), &across);
+            let mains = seam::main_network(&plan.town, &seams);
+            let shared = seam::shared_streets(&plan.town, &seams);
+            let cells = plan.cells.iter().map(|(_, cell)| cell.clone()).collect();
+            let mut town = SeamedTown { town: plan.town.clone(), cells, seams, mains, shared };
+            self.pin(&mut town, &plan)?;
+            Ok(town)
+        })
+    }
+
+    /// Pins the patches that the user wants in a town, and those that its styles count.
+    fn pin(&self, town: &mut SeamedTown, plan: &Planned) -> Result<(), LayerError> {
+        let mut wishes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (index, edit) in self.pins.iter().enumerate() {
+            if let Some(cell) = cell_at(&town.town, edit.at) {
+                wishes.entry(cell).or_default().push(index);
+            }
+        }
+        for (cell, edits) in wishes {
+            let blend = &plan.cells[cell].0;
+            let set = |edit: &usize| self.kits.set_with(blend, &self.pins[*edit].patch).map(|s| s.name.clone());
+            let mut also: Vec<String> = edits.iter().filter_map(set).collect();
+            also.sort();
+            also.dedup();
+            let mut mixed = self.kits.mix(self.seed, town.town.cells[cell].id, blend, &also)?;
+            for edit in edits {
+                let wish = &self.pins[edit];
+                let known = mixed.patches.patches.iter().position(|p| p.name == wish.patch);
+                mixed.pinned.extend(known.map(|patch| PinnedPatch {
+                    patch,
+                    at: quantize(town.town.origin.to_local(wish.at)),
+                    turned: wish.heading_deg.to_radians(),
+                    mirrored: wish.mirrored,
+                }));
+                mixed.edits.extend(known.map(|_| edit));
+            }
+            town.cells[cell] = mixed;
+        }
+        let own = &*self.kits.of(&town.town.settlement.style)?.style;
+        let mut styles = vec![own];
+        if let Some(fringe) = &own.fringe {
+            styles.push(&self.kits.of(&fringe.style)?.style);
+        }
+        let mut cells = std::mem::take(&mut town.cells);
+        share_out(&town.town, &styles, &mut cells, |cell, with, patch| {
+            self.brief(town, cell, with, |_brief| { let _ = patch; None })
+        });
+        town.cells = cells;
+        Ok(())
+    }
+
+    /// The patches pinned by edits that cannot be, as `rejected` tells it, by their place in the list.
+    pub(crate) fn rejected_pins(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
+        let mut out = Vec::new();
+        for (index, edit) in self.pins.iter().enumerate() {
+            let at = format!("{},{}", edit.at.x, edit.at.y);
+            let reason = if !self.kits.has_patch(&edit.patch) {
+                Some(format!("patch `{}` is in none of the patch sets", edit.patch))
+            } else if let Some(settlement) = self.settlements.at(edit.at)? {
+                let town = self.town(&settlement, cancel)?;
+                match cell_at(&town.town, edit.at) {
+                    Some(cell) => {
+                        let unfit = &self.streets(&town, cell, cancel)?.unfit;
+                        let own = town.cells[cell].edits.iter().position(|e| *e == index);
+                        own.is_none_or(|i| unfit.contains(&i)).then(|| {
+                            format!("does not fit at {at} among main streets, their ports and patches before it")
+                        })
+                    }
+                    None => Some(format!("{at} lies in an open place; allowed is a place among local streets")),
+                }
+            } else {
+                Some(format!("{at} lies in no settlement"))
+            };
+            out.extend(reason.map(|reason| RejectedEdit { list: EditList::Patches, index, reason }));
+        }
+        Ok(out)
+    }
+
+    /// Gives `use_it` the brief of a main cell.
+    fn brief<T>(&self, town: &SeamedTown, cell: usize, with: &CellStyle, use_it: impl FnOnce(&CellBrief) -> T) -> T {
+        let (plan, of) = (&town.town, &town.town.cells[cell]);
+        use_it(&CellBrief {
+            seed: self.seed,
+            id: of.id,
+            border: &of.border,
+            street_half_width: &border_widths(plan, of),
+            ports: &seam::cell_ports(plan, &town.seams, cell),
+            field: &plan.field,
+            style: &with.style,
+            patches: &with.patches,
+            weights: &with.weights,
+            pinned: &with.pinned,
         })
     }
 
@@ -157,23 +273,13 @@ impl Layers {
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
         self.streets.get(&(plan.settlement.id, cell), || {
-            let kit = self.kit(&plan.settlement)?;
-            let of = &plan.cells[cell];
-            let brief = CellBrief {
-                seed: self.seed,
-                id: of.id,
-                border: &of.border,
-                street_half_width: &border_widths(plan, of),
-                ports: &seam::cell_ports(plan, &town.seams, cell),
-                field: &plan.field,
-                style: &kit.style,
-                patches: &kit.patches,
-                weights: &kit.patches.weights(),
-                pinned: &[],
-            };
-            match kit.style.filler {
-                Filler::SemanticPatches => SemanticPatches.fill(&brief, cancel),
+            if plan.cells[cell].used_as == CellUse::Open {
+                return Ok(CellStreets::default());
             }
+            let with = &town.cells[cell];
+            self.brief(town, cell, with, |brief| match with.style.filler {
+                Filler::SemanticPatches => SemanticPatches.fill(brief, cancel),
+            })
         })
     }
 
@@ -187,12 +293,14 @@ impl Layers {
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
             let across = self.streets_across(plan, near, cancel)?;
             let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
+            let rules = &town.cells[cell].style.parcels;
+            let park = ParcelRules { parks: 1.0, ..rules.clone() };
             let brief = ParcelBrief {
                 seed: self.seed,
                 id: of.id,
                 border: &of.border,
                 streets: &streets,
-                rules: &self.kit(&plan.settlement)?.style.parcels,
+                rules: if of.used_as == CellUse::Open { &park } else { rules },
                 centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)
@@ -279,6 +387,14 @@ impl Layers {
     }
 }
 
+/// The main cell of a town with local streets that holds a plan point.
+fn cell_at(town: &Town, plan: DVec2) -> Option<usize> {
+    let at = town.origin.to_local(plan);
+    let reach = town.settlement.radius * 1.1;
+    let holds = |c: &MainCell| c.used_as == CellUse::Built && point_in_polygon(at, &c.border);
+    (at.length() <= reach).then(|| town.cells.iter().position(holds)).flatten()
+}
+
 /// Half the width of the street along each border edge of a cell.
 fn border_widths(town: &Town, cell: &MainCell) -> Vec<Option<f64>> {
     let mut widths = vec![None; cell.border.len()];
@@ -300,11 +416,19 @@ impl Weigh for Town {
     }
 }
 
+impl Weigh for Planned {
+    fn bytes(&self) -> usize {
+        let cells = self.cells.iter().map(|(_, cell)| 200 + weigh_style(cell));
+        self.town.bytes() + cells.sum::<usize>()
+    }
+}
+
 impl Weigh for SeamedTown {
     fn bytes(&self) -> usize {
         let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
         let shared = self.shared.len() * 48;
-        self.town.bytes() + ports + shared + weigh_network(&self.mains)
+        let cells: usize = self.cells.iter().map(weigh_style).sum();
+        cells + ports + shared + weigh_network(&self.mains)
     }
 }
 
@@ -320,6 +444,11 @@ impl Weigh for CellParcels {
         let points = self.blocks.iter().map(|b| &b.polygon).chain(self.lots.iter().map(|l| &l.polygon));
         points.chain(self.footprints.iter().map(|f| &f.polygon)).map(|p| 64 + p.len() * size_of::<DVec2>()).sum()
     }
+}
+
+fn weigh_style(cell: &CellStyle) -> usize {
+    // A mixed style is the cell's own.
+    700 + 8 * cell.weights.len() + size_of::<PinnedPatch>() * cell.pinned.len()
 }
 
 fn weigh_network(network: &Network) -> usize {

@@ -7,15 +7,18 @@
 //! along a border is part of two towns, and given out once, in the border's own frame.
 
 mod assemble;
+mod counts;
 mod deck;
 mod ground;
+mod kits;
 mod layers;
 
 pub use assemble::assemble;
 pub(crate) use assemble::{owner_of, street_owner};
 pub use deck::{Deck, ROAD_LIFT, junction_reach};
 pub use ground::{GROUND_STEP, Ground};
-pub use layers::{Layers, SeamedTown, StyleKit};
+pub use kits::{BORDER_BLEND, CellStyle, StyleKit};
+pub use layers::{Layers, SeamedTown};
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};

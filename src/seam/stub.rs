@@ -4,7 +4,7 @@
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{Style, Town};
+use crate::town::{CellUse, MainCell, Style, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
@@ -92,7 +92,8 @@ pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
         Hand::Left => street.left,
         Hand::Right => street.right,
     };
-    let Some(cell) = kerb.town.cells.get(cell) else { return false };
+    let open_to = |c: &&MainCell| c.used_as == CellUse::Built;
+    let Some(cell) = kerb.town.cells.get(cell).filter(open_to) else { return false };
     let (from, inward) = (spot.at + kerb.shift, spot.inward(hand));
     let tip = from + inward * STUB_LENGTH;
     let reach = Bounds::of([from, tip]).grown(ROOM);
