@@ -214,12 +214,7 @@ fn settle(brink: &Brink, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -
 
 /// Distance along the street up to which proposals of the two sides become one crossing.
 fn cutoff(style: &Style) -> f64 {
-    let share = match style.main.field {
-        FieldKind::Grid => 0.5,
-        FieldKind::Radial | FieldKind::Contours => 0.4,
-        FieldKind::Organic => 0.25,
-    };
-    share * style.seam.spacing
+    style.seam.crossing * style.seam.spacing
 }
 
 /// PatchCity's cost of joining two streets across a seam (section 3.1, equations 2 to 4).

@@ -49,6 +49,7 @@ impl Between<'_> {
             spacing: self.number(a.spacing, b.spacing),
             jitter: self.number(a.jitter, b.jitter),
             min_spacing: self.number(a.min_spacing, b.min_spacing),
+            crossing: self.number(a.crossing, b.crossing),
         }
     }
 

@@ -85,11 +85,14 @@ pub struct SeamRules {
     pub jitter: f64,
     /// Least distance between two attachment points, and to the ends of the main street.
     pub min_spacing: f64,
+    /// Distance along the street, as a share of the spacing (0 to 0.5), up to which points of the two sides become one crossing:
+    /// with little of it most are T-junctions.
+    pub crossing: f64,
 }
 
 impl Default for SeamRules {
     fn default() -> Self {
-        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0 }
+        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0, crossing: 0.4 }
     }
 }
 
@@ -283,7 +286,8 @@ impl Style {
         let seam = || {
             range("spacing", s.spacing, 30.0, 1000.0)?;
             range("jitter", s.jitter, 0.0, 0.45)?;
-            range("min_spacing", s.min_spacing, 30.0, s.spacing.max(30.0))
+            range("min_spacing", s.min_spacing, 30.0, s.spacing.max(30.0))?;
+            range("crossing", s.crossing, 0.0, 0.5)
         };
         seam().map_err(|e: RangeError| e.within("seam"))?;
         let l = &self.local;

@@ -310,7 +310,7 @@ impl<'a> Sketch<'a> {
     }
 
     /// Whether the ground along the path is dry and not too steep.
-    fn ground_fits(&self, path: &[DVec2]) -> bool {
+    pub fn ground_fits(&self, path: &[DVec2]) -> bool {
         let mut before: Option<(DVec2, f64)> = None;
         segments(path).all(|(a, b)| {
             let steps = (a.distance(b) / GROUND_STEP).ceil().max(1.0);
