@@ -25,6 +25,8 @@ pub(super) struct Node {
     pub open: bool,
     /// Number of streets that growth aims at here.
     pub target: usize,
+    /// Whether it belongs to a pinned patch, of which nothing may be removed.
+    pub pinned: bool,
 }
 
 /// A border edge of the cell.
@@ -129,7 +131,7 @@ impl Canvas {
         walls.iter().for_each(|w| free.stamp(w.a, w.b));
         let mut canvas = Self { graph: PlanarGraph::without_index(), nodes: Vec::new(), free, walls };
         for (i, port) in brief.ports.iter().enumerate() {
-            canvas.add_vertex(port.at, Node { port: Some(i), open: false, target: 1 });
+            canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
         canvas
     }
@@ -150,9 +152,11 @@ impl Canvas {
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
         let edge = if self.graph.is_live(edge) { edge } else { self.graph.nearest_edge(p, 0.5, |_| false)?.0 };
+        let ends = self.graph.edge(edge);
+        let pinned = [ends.a, ends.b].into_iter().all(|v| self.nodes[v as usize].pinned);
         let v = self.graph.split_edge(edge, p);
         while self.nodes.len() < self.graph.vertex_count() {
-            self.nodes.push(Node { port: None, open: true, target: 0 });
+            self.nodes.push(Node { open: true, pinned, ..Node::default() });
         }
         Some(v)
     }
@@ -230,7 +234,7 @@ impl Canvas {
                 Join::Free(_) => None,
             };
             let open = !matches!(join, Join::Free(false));
-            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { port: None, open, target: 0 }));
+            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { open, ..Node::default() }));
             vertices.push(v);
         }
         for (a, b) in &p.edges {

@@ -6,6 +6,7 @@ mod free;
 mod growth;
 mod output;
 mod patches;
+mod pinned;
 mod place;
 mod proposal;
 mod repair;
@@ -15,6 +16,8 @@ mod start;
 #[cfg(test)]
 mod tests;
 
+pub use pinned::find_place;
+
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::{Bounds, Stream, math};
@@ -22,6 +25,7 @@ use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
 use canvas::{Canvas, Near};
 use glam::DVec2;
+use pinned::Laid;
 use proposal::{Checker, Join, Limits, Proposal};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -32,12 +36,22 @@ pub struct SemanticPatches;
 
 impl CellFiller for SemanticPatches {
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
-        let mut work = Work::new(brief);
-        work.start();
-        cancel.check()?;
-        work.propagate(cancel)?;
-        work.repair(cancel)?;
-        Ok(work.finish())
+        let mut unfit = Vec::new();
+        loop {
+            let mut work = Work::new(brief);
+            work.lay_stubs();
+            work.lay_pinned(&mut unfit);
+            work.start();
+            cancel.check()?;
+            work.propagate(cancel)?;
+            work.repair(cancel)?;
+            let cut_off = work.cut_off();
+            if cut_off.is_empty() {
+                return Ok(CellStreets { unfit, ..work.finish() });
+            }
+            // Nothing may float: once more without the patches that could not be reached.
+            unfit.extend(cut_off);
+        }
     }
 }
 
@@ -63,6 +77,8 @@ struct Work<'a> {
     stump: f64,
     /// How often each patch was used.
     used: Vec<u32>,
+    /// Pinned patches that stand.
+    laid: Vec<Laid>,
     near: Near,
     proposal: Proposal,
     built: Vec<VertexIx>,
@@ -114,6 +130,7 @@ impl<'a> Work<'a> {
             field_pull,
             stump: stump * local.length,
             used: vec![0; brief.patches.patches.len()],
+            laid: Vec::new(),
             near: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),

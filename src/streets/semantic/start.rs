@@ -10,23 +10,29 @@ use crate::streets::MadeBy;
 use glam::DVec2;
 
 impl Work<'_> {
-    /// Puts a stub at every port, so that each is met whatever comes later, then an initial patch in its place where one
-    /// fits. The ends become the first candidate vertices.
-    pub(super) fn start(&mut self) {
-        let ports = self.brief.ports.len();
-        let mut ends = Vec::with_capacity(ports);
+    /// Puts a stub at every port, so that each is met whatever comes later.
+    pub(super) fn lay_stubs(&mut self) {
         for (i, port) in self.brief.ports.iter().enumerate() {
-            let node = Node { port: None, open: true, target: 2 };
+            let node = Node { open: true, target: 2, ..Node::default() };
             let end = self.canvas.add_vertex(port.at + port.inward * STUB_LENGTH, node);
             self.canvas.add_edge(i as u32, end, MadeBy::Growth);
-            ends.push(end);
         }
+    }
+
+    /// Puts initial patches in the place of stubs where they fit. The ends become the first candidate vertices.
+    pub(super) fn start(&mut self) {
+        let ports = self.brief.ports.len() as u32;
         let patches = self.brief.patches;
         let initial: Vec<usize> =
             patches.tagged(tag::INITIAL).iter().copied().filter(|p| self.initial_root(*p).is_some()).collect();
-        for (i, &end) in ends.iter().enumerate() {
+        for i in 0..ports {
+            // The stub is there, unless a pinned patch took its place.
+            let end = ports + i;
+            if self.canvas.graph.degree(end) == 0 {
+                continue;
+            }
             // One port in three begins with an initial patch; more would leave no room between them.
-            if initial.is_empty() || !self.rng.chance(0.34) || !self.start_with_patch(i, &initial) {
+            if initial.is_empty() || !self.rng.chance(0.34) || !self.start_with_patch(i as usize, &initial) {
                 self.queue.push_back(end);
             }
         }

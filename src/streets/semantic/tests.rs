@@ -13,7 +13,8 @@ use crate::streets::{CellFiller, CellStreets, MadeBy};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-fn fill(cell: &Sample<'_>) -> CellStreets {
+/// Fills a cell.
+pub(super) fn fill(cell: &Sample<'_>) -> CellStreets {
     SemanticPatches.fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
 }
 
