@@ -6,8 +6,12 @@ mod audit;
 mod changed;
 mod route;
 mod settings;
+#[cfg(test)]
+mod town_tests;
 
-pub use crate::region::edits::{EditList, Edits, Influence, PatchEdit, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
+pub use crate::region::edits::{
+    EditList, Edits, Influence, PatchEdit, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint,
+};
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};

@@ -29,7 +29,9 @@ pub(super) fn share_out(
         let mut ranked: Vec<(usize, usize)> = (0..cells.len())
             .filter(|i| town.cells[*i].used_as == CellUse::Built)
             .filter_map(|i| of(&cells[i]).map(|patch| (i, patch)))
-            .filter(|(i, patch)| cells[*i].weights[*patch] > 0.0 || cells[*i].style.patches.iter().any(|c| c.patch == name))
+            .filter(|(i, patch)| {
+                cells[*i].weights[*patch] > 0.0 || cells[*i].style.patches.iter().any(|c| c.patch == name)
+            })
             .collect();
         ranked.sort_by_key(|(i, _)| Reverse(stable_hash(&[town.cells[*i].id.0, word])));
         // Those that the user pinned count.

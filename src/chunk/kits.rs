@@ -224,3 +224,50 @@ impl Kits {
         Pool { patches: Arc::new(patches), sets: names }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::StreetClass;
+    use crate::region::SettlementId;
+    use crate::town::FringeRules;
+
+    #[test]
+    fn styles_of_towns_that_touch_meet_in_equal_shares_on_their_border() {
+        let style = |name: &str, fringe: &str| Style {
+            name: name.into(),
+            fringe: Some(FringeRules { style: fringe.into(), begins: 0.6, complete: 1.1 }),
+            ..Style::default()
+        };
+        let (a, b) = (style("a", "c"), style("b", "d"));
+        let origins = [Origin::at(DVec2::ZERO), Origin::at(DVec2::new(1300.0, 200.0))];
+        let spread = |i: usize| Spread { style: [&a, &b][i], origin: origins[i], radius: 700.0 };
+        let border = Arc::new(Border {
+            origin: Origin::at(DVec2::new(650.0, 100.0)),
+            sides: [SettlementId(1), SettlementId(2)],
+            line: vec![DVec2::new(60.0, -400.0), DVec2::new(-10.0, 0.0), DVec2::new(-60.0, 400.0)],
+            gates: vec![1],
+            class: StreetClass::Arterial,
+        });
+        let blend =
+            |i: usize, plan: DVec2| spread(i).blend(origins[i].to_local(plan), &[(spread(1 - i), border.clone())]);
+        for p in &border.line {
+            let plan = border.origin.to_plan(*p);
+            let (here, there) = (blend(0, plan), blend(1, plan));
+            assert_eq!(here.0.len(), there.0.len());
+            for (x, y) in here.0.iter().zip(&there.0) {
+                assert!(x.0 == y.0 && (x.1 - y.1).abs() < 1e-9, "{here:?} {there:?}");
+            }
+        }
+        // It fades with the distance, and ends.
+        let share = |x: f64, of: &str| {
+            let blend = blend(0, DVec2::new(x, 0.0));
+            blend.0.iter().filter(|(name, _)| name == of).map(|(_, s)| *s).sum::<f64>()
+        };
+        let own: Vec<f64> = (0..8).map(|i| share(600.0 - 100.0 * f64::from(i), "b")).collect();
+        assert!(own.windows(2).all(|w| w[1] <= w[0] + 1e-12), "{own:?}");
+        assert_eq!((share(0.0, "a"), share(0.0, "b")), (1.0, 0.0));
+        let sum: f64 = blend(0, DVec2::new(500.0, 90.0)).0.iter().map(|(_, s)| s).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+    }
+}

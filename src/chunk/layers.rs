@@ -13,7 +13,7 @@ use crate::region::edits::{EditList, PatchEdit, RejectedEdit};
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
 use crate::seam::{self, Across, Seam};
 use crate::space::{Bounds, Origin, Seed, point_in_polygon, quantize};
-use crate::streets::{CellBrief, CellFiller, CellStreets, PinnedPatch, SemanticPatches};
+use crate::streets::{self, CellBrief, CellFiller, CellStreets, PinnedPatch, SemanticPatches};
 use crate::terrain::Terrain;
 use crate::town::{self, CellUse, Filler, MainCell, ParcelRules, Style, Town};
 use glam::DVec2;
@@ -219,7 +219,7 @@ impl Layers {
         }
         let mut cells = std::mem::take(&mut town.cells);
         share_out(&town.town, &styles, &mut cells, |cell, with, patch| {
-            self.brief(town, cell, with, |_brief| { let _ = patch; None })
+            self.brief(town, cell, with, |brief| streets::find_place(brief, patch))
         });
         town.cells = cells;
         Ok(())

@@ -9,6 +9,8 @@ use glam::DVec2;
 
 /// Step of the search for a place where a proposal has room, in metres.
 const SEARCH_STEP: f64 = 4.0;
+/// Least distance of a port from the ends of its street, in metres.
+const LEAST_END: f64 = 30.0;
 
 /// A place with what attaches to it.
 #[derive(Clone, Copy, Debug)]
@@ -209,7 +211,10 @@ fn settle(brink: &Brink, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -
         let d = i as f64 * SEARCH_STEP;
         [along + d, along - d]
     }));
-    tries.filter(|s| *s > 0.0 && *s < brink.length).find_map(|s| Spot::near(&brink.line, s).filter(&good))
+    let inner = |s: &Spot| s.along >= LEAST_END && s.along <= brink.length - LEAST_END;
+    tries
+        .filter(|s| *s > 0.0 && *s < brink.length)
+        .find_map(|s| Spot::near(&brink.line, s).filter(|spot| inner(spot) && good(spot)))
 }
 
 /// Distance along the street up to which proposals of the two sides become one crossing.

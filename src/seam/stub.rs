@@ -106,8 +106,13 @@ pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
                 return true;
             }
             let segment = if side.forward { i } else { side.count - 1 - i };
-            if !same || !one_run(&street.street.line, segment, spot) {
-                return segment_distance(from, tip, a, b) >= ROOM;
+            if !same {
+                // Where there is no street nothing comes towards the stub.
+                let room = if side.main.is_some() { ROOM } else { STUB_CLEARANCE + 2.0 };
+                return segment_distance(from, tip, a, b) >= room;
+            }
+            if !one_run(&street.street.line, segment, spot) {
+                return segment_distance(from.lerp(tip, 0.5), tip, a, b) >= STUB_CLEARANCE + 1.0;
             }
             // A run that bends towards the stub must not come near its end.
             segment == spot.segment || distance_to_segment(tip, a, b) >= STUB_CLEARANCE + 1.0

@@ -4,8 +4,8 @@
 use super::*;
 use crate::network::measure;
 use crate::space::{line_length, point_in_polygon, polygon_distance, segment_crossing, segment_distance, segments};
-use crate::town::{CellUse, Town};
 use crate::town::sample::{Case, case};
+use crate::town::{CellUse, Town};
 use std::collections::BTreeSet;
 
 /// Distance of `a`-`b` from the sides of a cell that do not run along `main`, or that are the other side of it.

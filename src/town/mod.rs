@@ -11,9 +11,7 @@ mod style;
 
 pub use field::DirectionField;
 pub use plan::plan;
-pub use style::{
-    FieldKind, Filler, FringeRules, LocalRules, MainRules, ParcelRules, PatchCount, SeamRules, Style,
-};
+pub use style::{FieldKind, Filler, FringeRules, LocalRules, MainRules, ParcelRules, PatchCount, SeamRules, Style};
 
 use crate::network::{Junction, Street};
 use crate::region::{Border, Gate, Outline, Settlement};

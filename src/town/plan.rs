@@ -2,6 +2,8 @@
 
 mod arterial;
 mod border;
+#[cfg(test)]
+mod cell_tests;
 mod cells;
 mod fringe;
 mod grow;

@@ -178,9 +178,9 @@ pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
         }
     }
     // First with the style's distances, so that streets go around it as around any other patch.
-    [work.limits, work.relaxed].into_iter().find_map(|limits| {
-        tries.iter().find(|t| work.lay(brief.pinned.len(), t, &limits)).copied()
-    })
+    [work.limits, work.relaxed]
+        .into_iter()
+        .find_map(|limits| tries.iter().find(|t| work.lay(brief.pinned.len(), t, &limits)).copied())
 }
 
 /// Places that are tried for a patch that stands free.
