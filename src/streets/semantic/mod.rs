@@ -6,6 +6,7 @@ mod free;
 mod growth;
 mod output;
 mod patches;
+mod pattern;
 mod pinned;
 mod place;
 mod proposal;
@@ -69,6 +70,8 @@ struct Work<'a> {
     relaxed: Limits,
     /// Least cosine of the bend where a street goes on as another.
     straightness: f64,
+    /// Greatest angle by which a patch is bent at an end, in radians.
+    bending: f64,
     /// Share of T junctions that growth goes on from, across the street that was met.
     crossings: f64,
     /// How much the field draws streets: 0 not at all, 1 wholly.
@@ -111,11 +114,11 @@ impl<'a> Work<'a> {
             min_round: 2.6 * local.length,
         };
         let cap = limits.gap + 6.0;
-        let (straightness, crossings, field_pull, stump) = match brief.style.main.field {
-            FieldKind::Grid => (0.98, 0.75, 1.0, 1.1),
-            FieldKind::Radial => (0.88, 0.4, 0.75, 0.9),
-            FieldKind::Contours => (0.82, 0.25, 0.75, 0.5),
-            FieldKind::Organic => (0.75, 0.2, 0.5, 0.8),
+        let (straightness, bending, crossings, field_pull, stump) = match brief.style.main.field {
+            FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1),
+            FieldKind::Radial => (0.88, 0.2, 0.4, 0.75, 0.9),
+            FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5),
+            FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8),
         };
         Self {
             brief,
@@ -126,6 +129,7 @@ impl<'a> Work<'a> {
             limits,
             relaxed,
             straightness,
+            bending,
             crossings,
             field_pull,
             stump: stump * local.length,
@@ -152,7 +156,9 @@ impl<'a> Work<'a> {
             }
             let Some(direction) = self.direction(v) else { continue };
             let at = self.canvas.graph.at(v);
-            let made = degree == 1 && self.attach_patch(v, at, direction);
+            let made = degree == 1
+                && (self.rng.chance(pattern::ONWARDS) && self.pattern_onwards(v, direction)
+                    || self.attach_patch(v, at, direction));
             if !made {
                 self.grow(v, at, direction);
             }

@@ -5,7 +5,7 @@ use super::canvas::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{Connectable, STRETCH};
+use crate::patch::{Connectable, LEAST_ARM, Patch, STRETCH};
 use crate::space::math::rotate;
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -17,6 +17,9 @@ const TARGETS: usize = 4;
 const LEAST_CORE: f64 = 0.3;
 
 /// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
+/// What a loose end more that a placement meets adds to its rating, as a share.
+const MET: f64 = 0.5;
+
 const CHECKED: usize = 24;
 const RATED: usize = 4;
 
@@ -59,6 +62,29 @@ impl Work<'_> {
         self.breadth_first(v, at) || self.depth_first(v, at, direction)
     }
 
+    /// Loose ends other than `v`: where they lie and where they lead.
+    fn tips(&self, v: VertexIx) -> Vec<(DVec2, DVec2)> {
+        let mut tips: Vec<VertexIx> = Vec::new();
+        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
+            tips.extend([s.va, s.vb].into_iter().filter(|w| *w != v && self.canvas.is_dead_end(*w)));
+        }
+        tips.retain(|w| self.canvas.nodes[*w as usize].open);
+        let lead = |w: VertexIx| Some((self.canvas.graph.at(w), self.canvas.onward(w)?));
+        tips.into_iter().filter_map(lead).collect()
+    }
+
+    /// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
+    fn meets_tip(&self, placement: &Placement, patch: &Patch, c: &Connectable, tips: &[(DVec2, DVec2)]) -> bool {
+        let at = placement.map(patch.vertices[c.vertex]);
+        let out = (placement.map(DVec2::ZERO) - placement.map(c.inward)).normalize_or_zero();
+        let reach = self.brief.style.local.snap_radius + LEAST_ARM;
+        tips.iter().any(|(tip, lead)| {
+            let to = *tip - at;
+            let along = to.dot(out);
+            lead.dot(out) < -0.9 && along.abs() < reach && out.perp_dot(to).abs() < 3.0 + 0.15 * (along + LEAST_ARM).max(0.0)
+        })
+    }
+
     /// Looks for a patch that connects `v` with another loose end in sight.
     fn breadth_first(&mut self, v: VertexIx, at: DVec2) -> bool {
         let Some(onward) = self.canvas.onward(v) else { return false };
@@ -80,6 +106,7 @@ impl Work<'_> {
             self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
         });
         targets.truncate(TARGETS);
+        let tips = self.tips(v);
         let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
         for (d, w) in targets {
             let target = self.canvas.graph.at(w);
@@ -101,15 +128,16 @@ impl Work<'_> {
                 for (a, b) in [(a, b), (b, a)] {
                     let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
                     for mirrored in [false, true] {
-                        let placement = Placement::new((patch, a.vertex, pa), pb - pa, mirrored, at, target - at);
-                        let turn = |i: DVec2| placement.map(i) - placement.map(DVec2::ZERO);
+                        let straight = Placement::new((patch, a.vertex, pa), pb - pa, mirrored, at, target - at);
                         // The street must go on at both ends without a sharp bend.
-                        let bends = turn(a.inward)
-                            .normalize_or_zero()
-                            .dot(onward)
-                            .min(turn(b.inward).normalize_or_zero().dot(beyond));
-                        if bends > self.straightness && self.roughly_fits(&placement, at, Some(target)) {
-                            found.push((rating * (0.5 + 0.5 * bends), placement, b.vertex, w));
+                        let Some((placement, bends)) = self.bend(straight, p, (a, b), onward, Some(-beyond)) else {
+                            continue;
+                        };
+                        if self.roughly_fits(&placement, at, Some(target)) {
+                            let others = p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex);
+                            let met = others.filter(|c| self.meets_tip(&placement, p, c, &tips)).count() as f64;
+                            let kept = if placement.is_bent() { 0.85 } else { 1.0 };
+                            found.push((rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met), placement, b.vertex, w));
                         }
                     }
                 }
@@ -117,7 +145,7 @@ impl Work<'_> {
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, placement, end, w) in found.into_iter().take(CHECKED) {
-            if self.propose_patch(&placement, Join::At(v), Some((end, w)))
+            if self.propose_patch(&placement, &[(placement.start, v), (end, w)])
                 && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32))
             {
                 self.after_patch(placement.patch);
@@ -230,7 +258,7 @@ impl Work<'_> {
         let mut best: Option<(f64, Proposal, usize)> = None;
         let mut rated = 0;
         for (key, placement) in found.into_iter().take(CHECKED) {
-            if !self.propose_patch(&placement, Join::At(v), None)
+            if !self.propose_patch(&placement, &[(placement.start, v)])
                 || !self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits)
             {
                 continue;

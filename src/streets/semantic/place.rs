@@ -5,14 +5,14 @@ use super::Work;
 use super::canvas::{NONE, nearest};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{LEAST_ARM, STREET_FLOOR};
+use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
 use crate::space::{cut_line, segment_crossing};
 use glam::DVec2;
 
 /// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
 const GRID_BLIND: f64 = 34.0;
 
-/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, then moved.
+/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     /// Index into the database.
@@ -22,6 +22,28 @@ pub(super) struct Placement {
     x_axis: DVec2,
     y_axis: DVec2,
     offset: DVec2,
+    bend: Option<Bend>,
+}
+
+/// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
+#[derive(Clone, Copy, Debug)]
+struct Bend {
+    from: DVec2,
+    along: DVec2,
+    length: f64,
+    /// Change of slope at the start and at the end.
+    slopes: [f64; 2],
+}
+
+impl Bend {
+    fn shift(&self, p: DVec2) -> DVec2 {
+        let x = (p - self.from).dot(self.along);
+        let t = (x / self.length).clamp(0.0, 1.0);
+        // The cubic with these slopes and no shift at the ends; straight on beyond them.
+        let inside = self.length * t * (1.0 - t) * (self.slopes[0] * (1.0 - t) - self.slopes[1] * t);
+        let beyond = self.slopes[0] * x.min(0.0) + self.slopes[1] * (x - self.length).max(0.0);
+        self.along.perp() * (inside + beyond)
+    }
 }
 
 impl Placement {
@@ -38,12 +60,40 @@ impl Placement {
         let from = if mirrored { DVec2::new(from.x, -from.y) } else { from };
         let x_axis = DVec2::new(from.dot(to), from.perp_dot(to)) / from.length_squared();
         let y_axis = if mirrored { -x_axis.perp() } else { x_axis.perp() };
-        Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y }
+        let offset = at - x_axis * start_at.x - y_axis * start_at.y;
+        Self { patch, start, x_axis, y_axis, offset, bend: None }
+    }
+
+    /// The placement that puts `start`, at `start_at` in the patch, at `at`, turns and scales the patch vector `from` into
+    /// `to`, and scales what lies square to `from` by `across`; negative mirrors the patch at that vector.
+    pub fn drawn_out(
+        (patch, start, start_at): (usize, usize, DVec2),
+        from: DVec2,
+        at: DVec2,
+        to: DVec2,
+        across: f64,
+    ) -> Self {
+        let along = from / from.length_squared();
+        let (u, v) = (to, to.normalize_or_zero().perp() * (across / from.length()));
+        let (x_axis, y_axis) = (u * along.x - v * from.y, u * along.y + v * from.x);
+        Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y, bend: None }
+    }
+
+    /// The same, bent so that the street that it has between `from` and `to` changes its slopes there by `slopes`.
+    pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
+        let length = from.distance(to);
+        Self { bend: Some(Bend { from, along: (to - from) / length, length, slopes }), ..self }
+    }
+
+    /// Whether it is more than turned, scaled and moved.
+    pub fn is_bent(&self) -> bool {
+        self.bend.is_some() || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
     }
 
     /// Where a patch position comes to lie.
     pub fn map(&self, p: DVec2) -> DVec2 {
-        self.offset + self.x_axis * p.x + self.y_axis * p.y
+        let p = self.offset + self.x_axis * p.x + self.y_axis * p.y;
+        self.bend.map_or(p, |b| p + b.shift(p))
     }
 }
 
@@ -61,9 +111,10 @@ impl Work<'_> {
         })
     }
 
-    /// Makes the placement the proposal, with its ends settled. `start` says how the start vertex meets what is there;
-    /// `end` is the vertex of the patch that falls on a vertex of the graph, when there is one.
-    pub(super) fn propose_patch(&mut self, placement: &Placement, start: Join, end: Option<(usize, VertexIx)>) -> bool {
+    /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
+    /// vertices of the graph.
+    pub(super) fn propose_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        let anchor = |v: usize| anchors.iter().find(|a| a.0 == v).map(|a| a.1);
         let patch = &self.brief.patches.patches[placement.patch];
         let shape = &self.brief.patches.facts(placement.patch).shape;
         let mut p = std::mem::take(&mut self.proposal);
@@ -74,19 +125,15 @@ impl Work<'_> {
         let mut slot = |p: &mut Proposal, v: usize| {
             if slots[v] == NONE {
                 slots[v] = p.points.len() as u32;
-                let (at, join) = match (v == placement.start, end) {
-                    (true, _) => match start {
-                        Join::At(w) => (self.canvas.graph.at(w), start),
-                        _ => (placement.map(patch.vertices[v]), start),
-                    },
-                    (_, Some((e, target))) if e == v => (self.canvas.graph.at(target), Join::At(target)),
-                    _ => (placement.map(patch.vertices[v]), Join::Free(false)),
+                let (at, join) = match anchor(v) {
+                    Some(target) => (self.canvas.graph.at(target), Join::At(target)),
+                    None => (placement.map(patch.vertices[v]), Join::Free(false)),
                 };
                 p.push(at, join);
             }
             slots[v] as usize
         };
-        let settled = |c: usize| c != placement.start && end.is_none_or(|(e, _)| e != c);
+        let settled = |c: usize| anchor(c).is_none();
         for e in &shape.core {
             let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
             p.edges.push(edge);
@@ -107,7 +154,7 @@ impl Work<'_> {
                 continue;
             }
             let line: Vec<DVec2> = arm.iter().map(|v| placement.map(patch.vertices[*v])).collect();
-            let leaving = if let (true, Join::At(v)) = (inner == placement.start, start) { v } else { NONE };
+            let leaving = anchor(inner).unwrap_or(NONE);
             let Some((line, join)) = self.settle(&line, leaving, &self.limits) else {
                 fits = false;
                 break;
@@ -121,6 +168,7 @@ impl Work<'_> {
         }
         (self.proposal, self.slots) = (p, slots);
         fits && self.ends_keep_apart()
+            && (!placement.is_bent() || keeps_rules(&self.proposal.points, &self.proposal.edges, 1.0))
     }
 
     /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or

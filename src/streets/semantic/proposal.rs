@@ -76,6 +76,28 @@ impl Proposal {
         self.edges.iter().filter(|(a, b)| *a == point || *b == point).count()
     }
 
+    /// Length of the shortest way from one point to another along its edges.
+    fn way(&self, from: usize, to: usize) -> f64 {
+        let mut far = vec![f64::INFINITY; self.points.len()];
+        far[from] = 0.0;
+        // A street has few edges, so that every round of this settles many points.
+        for _ in 0..self.points.len() {
+            let mut changed = false;
+            for &(a, b) in &self.edges {
+                let length = self.points[a].distance(self.points[b]);
+                for (a, b) in [(a, b), (b, a)] {
+                    if far[a] + length < far[b] {
+                        (far[b], changed) = (far[a] + length, true);
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        far[to]
+    }
+
     fn joined(&self, point: usize) -> bool {
         !matches!(self.joins[point], Join::Free(_))
     }
@@ -211,7 +233,10 @@ impl Checker {
             self.joints[..i].iter().all(|k| {
                 let apart = j.at.distance(k.at);
                 let same = (j.vertex != NONE && j.vertex == k.vertex) || apart < limits.min_piece;
-                !same && apart + j.way_to(k, canvas) >= limits.min_round
+                !same && {
+                    let way = j.way_to(k, canvas);
+                    apart + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
+                }
             })
         })
     }

@@ -3,8 +3,7 @@
 use super::Work;
 use super::canvas::Node;
 use super::place::Placement;
-use super::proposal::Join;
-use crate::patch::tag;
+use crate::patch::{STRETCH, tag};
 use crate::seam::STUB_LENGTH;
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -21,14 +20,15 @@ impl Work<'_> {
 
     /// Puts initial patches in the place of stubs where they fit. The ends become the first candidate vertices.
     pub(super) fn start(&mut self) {
+        self.start_with_patterns();
         let ports = self.brief.ports.len() as u32;
         let patches = self.brief.patches;
         let initial: Vec<usize> =
-            patches.tagged(tag::INITIAL).iter().copied().filter(|p| self.initial_root(*p).is_some()).collect();
+            patches.tagged(tag::INITIAL).iter().copied().filter(|p| patches.facts(*p).main.is_some()).collect();
         for i in 0..ports {
             // The stub is there, unless a pinned patch took its place.
             let end = ports + i;
-            if self.canvas.graph.degree(end) == 0 {
+            if !self.has_stub(i as usize) {
                 continue;
             }
             // One port in three begins with an initial patch; more would leave no room between them.
@@ -54,7 +54,7 @@ impl Work<'_> {
         let (at, inward) = (self.brief.ports[port].at, self.brief.ports[port].inward);
         let weights: Vec<f64> = initial.iter().map(|p| self.weight(*p)).collect();
         let Some(pick) = self.rng.weighted(&weights).map(|i| initial[i]) else { return false };
-        let Some((root, side)) = self.initial_root(pick) else { return false };
+        let Some((root, side)) = self.initial_root(pick) else { return self.start_with_two(port, pick) };
         let radius = self.brief.patches.patches[pick].radius;
         let root_at = self.brief.patches.patches[pick].vertices[root];
         let Some(stub) = self.canvas.graph.edges_at(port as u32).first().copied() else { return false };
@@ -64,7 +64,7 @@ impl Work<'_> {
         for mirrored in [first_mirrored, !first_mirrored] {
             let placement = Placement::new((pick, root, root_at), side, mirrored, at, inward);
             if self.roughly_fits(&placement, at, None)
-                && self.propose_patch(&placement, Join::At(port as u32), None)
+                && self.propose_patch(&placement, &[(root, port as u32)])
                 && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(pick as u32))
             {
                 self.after_patch(pick);
@@ -72,6 +72,33 @@ impl Work<'_> {
             }
         }
         self.canvas.add_edge(removed.a, removed.b, removed.data);
+        false
+    }
+
+    /// Tries an initial patch that leaves its main street twice at port `port` and the next one along the street, drawn out
+    /// or together a little to meet both.
+    fn start_with_two(&mut self, port: usize, pick: usize) -> bool {
+        let patches = self.brief.patches;
+        let patch = patches.patches[pick].clone();
+        let Some(&[a, b]) = patches.facts(pick).main.as_ref().map(|m| m.attachments.as_slice()) else { return false };
+        let from = patch.vertices[b] - patch.vertices[a];
+        let here = self.brief.ports[port];
+        for (other, there) in self.brief.ports.iter().enumerate().filter(|(i, _)| *i != port) {
+            let to = there.at - here.at;
+            let scale = to.length() / from.length();
+            let in_line = there.inward.dot(here.inward) > 0.97 && to.dot(here.inward).abs() < 0.15 * to.length();
+            if !in_line || !(0.8..=1.25).contains(&scale) || !self.has_stub(other) {
+                continue;
+            }
+            // The attachment lies to the left of the line from `a` to `b`, as drawn; else it is mirrored.
+            let inward = to.perp().dot(here.inward).signum();
+            let across = inward * scale.clamp(1.0 - STRETCH, 1.0 + STRETCH);
+            let (one, two) = ((a, port), (b, other));
+            let placement = Placement::drawn_out((pick, a, patch.vertices[a]), from, here.at, to, across);
+            if self.lay_at_ports(placement, &patch, &[one, two]) {
+                return true;
+            }
+        }
         false
     }
 }
