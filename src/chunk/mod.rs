@@ -1,6 +1,7 @@
 //! Layer 8: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; padding 0 for
 //! roads and terrain, the largest settlement radius for towns. A town's seams along borders read the plans of the towns that
-//! it touches, and its parcels the streets that these bring to the gates there.
+//! it touches, and its parcels the streets that these bring to the gates there. Main cells near a border
+//! mix the styles of both towns.
 //!
 //! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
 //! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut. A street

@@ -59,7 +59,8 @@ impl Work<'_> {
             let edge = (0..n).min_by(|a, b| on(a).total_cmp(&on(b))).unwrap_or(0);
             (edge, self.brief.border.get(edge).map_or(0.0, |a| a.distance(ports[i].at)))
         };
-        let mut order: Vec<(usize, f64, usize)> = (0..ports.len()).map(|i| (place(i), i)).map(|(p, i)| (p.0, p.1, i)).collect();
+        let mut order: Vec<(usize, f64, usize)> =
+            (0..ports.len()).map(|i| (place(i), i)).map(|(p, i)| (p.0, p.1, i)).collect();
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         let mut runs: Vec<Vec<usize>> = Vec::new();
         for (_, _, i) in order {
@@ -131,7 +132,14 @@ impl Work<'_> {
     }
 
     /// An element with one root at a port.
-    fn lay_at_port(&mut self, patch: &Patch, element: usize, root: (usize, usize), scale: f64, pattern: &Pattern) -> bool {
+    fn lay_at_port(
+        &mut self,
+        patch: &Patch,
+        element: usize,
+        root: (usize, usize),
+        scale: f64,
+        pattern: &Pattern,
+    ) -> bool {
         let port = self.brief.ports[root.1];
         let Some(main) = &self.brief.patches.facts(element).main else { return false };
         let along = patch.vertices[main.to] - patch.vertices[main.from];
@@ -208,7 +216,8 @@ impl Work<'_> {
                 continue;
             }
             let ends = self.near.segs.iter().flat_map(|s| [(s.va, s.a), (s.vb, s.b)]);
-            let same = ends.filter(|(v, q)| *v != super::canvas::NONE && q.distance(p.points[i]) < SAME).map(|(v, _)| v);
+            let same =
+                ends.filter(|(v, q)| *v != super::canvas::NONE && q.distance(p.points[i]) < SAME).map(|(v, _)| v);
             if let Some(v) = same.min() {
                 p.joins[i] = Join::At(v);
                 p.points[i] = g.at(v);
@@ -259,7 +268,8 @@ impl Work<'_> {
             self.gather((line.0 + line.1) / 2.0, line.0.distance(line.1) / 2.0 + 10.0);
             let clear = |s: &super::canvas::Seg| {
                 stubs.contains(&s.edge)
-                    || (s.is_wall() && [line.0, line.1].iter().any(|p| super::canvas::nearest(*p, s.a, s.b).distance(*p) < 0.01))
+                    || (s.is_wall()
+                        && [line.0, line.1].iter().any(|p| super::canvas::nearest(*p, s.a, s.b).distance(*p) < 0.01))
                     || crate::space::segment_crossing(line.0, line.1, s.a, s.b).is_none()
             };
             if self.near.segs.iter().all(clear) && self.row_between(element, (i, k), times) {

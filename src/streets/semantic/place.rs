@@ -87,7 +87,8 @@ impl Placement {
 
     /// Whether it is more than turned, scaled and moved.
     pub fn is_bent(&self) -> bool {
-        self.bend.is_some() || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
+        self.bend.is_some()
+            || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
     }
 
     /// Where a patch position comes to lie.
