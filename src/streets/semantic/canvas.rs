@@ -142,6 +142,11 @@ impl Canvas {
         self.graph.add_vertex(at)
     }
 
+    /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
+    pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
+        self.graph.add_edge(port, end, MadeBy::Growth);
+    }
+
     /// Adds an edge.
     pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);

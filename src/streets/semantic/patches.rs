@@ -81,7 +81,9 @@ impl Work<'_> {
         tips.iter().any(|(tip, lead)| {
             let to = *tip - at;
             let along = to.dot(out);
-            lead.dot(out) < -0.9 && along.abs() < reach && out.perp_dot(to).abs() < 3.0 + 0.15 * (along + LEAST_ARM).max(0.0)
+            lead.dot(out) < -0.9
+                && along.abs() < reach
+                && out.perp_dot(to).abs() < 3.0 + 0.15 * (along + LEAST_ARM).max(0.0)
         })
     }
 
@@ -137,7 +139,12 @@ impl Work<'_> {
                             let others = p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex);
                             let met = others.filter(|c| self.meets_tip(&placement, p, c, &tips)).count() as f64;
                             let kept = if placement.is_bent() { 0.85 } else { 1.0 };
-                            found.push((rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met), placement, b.vertex, w));
+                            found.push((
+                                rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met),
+                                placement,
+                                b.vertex,
+                                w,
+                            ));
                         }
                     }
                 }

@@ -60,7 +60,7 @@ impl Work<'_> {
         self.gather(pinned.at, radius + limits.gap.max(limits.wall_gap).max(30.0));
         if !self.build_if_fits(limits, MadeBy::Patch(pinned.patch as u32)) {
             for stub in stubs {
-                self.canvas.add_edge(stub.a, stub.b, stub.data);
+                self.canvas.add_stub(stub.a, stub.b);
             }
             return false;
         }
@@ -178,9 +178,9 @@ pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
         }
     }
     // First with the style's distances, so that streets go around it as around any other patch.
-    [work.limits, work.relaxed].into_iter().find_map(|limits| {
-        tries.iter().find(|t| work.lay(brief.pinned.len(), t, &limits)).copied()
-    })
+    [work.limits, work.relaxed]
+        .into_iter()
+        .find_map(|limits| tries.iter().find(|t| work.lay(brief.pinned.len(), t, &limits)).copied())
 }
 
 /// Places that are tried for a patch that stands free.

@@ -3,14 +3,11 @@
 
 use super::Work;
 use super::canvas::{NONE, nearest};
-use super::proposal::{Join, Limits, Proposal};
+use super::proposal::{Join, Limits, Proposal, WEDGE};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
 use crate::space::{cut_line, segment_crossing};
 use glam::DVec2;
-
-/// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
-const GRID_BLIND: f64 = 34.0;
 
 /// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +84,8 @@ impl Placement {
 
     /// Whether it is more than turned, scaled and moved.
     pub fn is_bent(&self) -> bool {
-        self.bend.is_some() || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
+        self.bend.is_some()
+            || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
     }
 
     /// Where a patch position comes to lie.
@@ -100,14 +98,15 @@ impl Placement {
 impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        let blind = GRID_BLIND * GRID_BLIND;
         // A little less than the gap: near the vertices it joins the distance along the network decides.
         let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
         self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
             !self.canvas.free.surely_nearer(p, need)
-                || p.distance_squared(start) < blind
-                || end.is_some_and(|e| p.distance_squared(e) < blind)
+                || !self
+                    .canvas
+                    .free
+                    .surely_nearer(p, WEDGE * end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e))))
         })
     }
 

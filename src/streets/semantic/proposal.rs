@@ -16,7 +16,7 @@ const DEAD_END_FLOOR: f64 = 13.0;
 const TIP_GAP: f64 = 19.0;
 
 /// Streets may be near each other where they are near along the network as well: at this share of that distance.
-const WEDGE: f64 = 0.5;
+pub(super) const WEDGE: f64 = 0.5;
 
 /// How a point of a proposal meets what is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -389,7 +389,8 @@ impl Checker {
                 }
                 if joint.is_port && s.is_wall() && nearest(joint.at, s.a, s.b).distance(joint.at) < 0.01 {
                     // The main street that the port lies on.
-                    if loose_end_near(if joint.point == i { b } else { a }, s) {
+                    let (far, loose) = if joint.point == i { (b, open_b) } else { (a, open_a) };
+                    if loose && loose_end_near(far, s) {
                         return false;
                     }
                     continue 'obstacles;
