@@ -6,7 +6,7 @@ use super::place::Placement;
 use super::proposal::Join;
 use crate::network::VertexIx;
 use crate::patch::{Patch, Pattern};
-use crate::space::math::{smoothstep, turn};
+use crate::space::math::turn;
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -112,7 +112,6 @@ impl Work<'_> {
         let times = self.times(&pattern);
         let advance = if per_element == 2 && !shared { 2 } else { 1 };
         let (mut i, mut laid) = (0, 0);
-        eprintln!("DBGRUN {} run {} scale {scale} times {times} nat {natural}", pattern.name, run.len());
         while i + per_element <= run.len() && laid < times {
             let ports = &run[i..i + per_element];
             let fits = match ports {
@@ -326,11 +325,16 @@ impl Work<'_> {
         };
         let arriving = end.map(|port| -self.brief.ports[port as usize].inward);
         self.gather((at + target) / 2.0, 1.2 * patch.radius + 2.0 * self.limits.gap + self.limits.min_piece);
+        let chord = target - at;
+        let wanted = [Some(turn(chord, onward)), arriving.map(|a| turn(chord, a))];
         let first = self.rng.chance(0.5);
         for (mirrored, back) in [(first, false), (!first, false), (first, true), (!first, true)] {
             let (a, b, pa, pb) = if back { (b, a, pb, pa) } else { (a, b, pa, pb) };
             let straight = Placement::new((element, a.vertex, pa), pb - pa, mirrored, at, target - at);
-            let Some((placement, _)) = self.bend(straight, patch, (a, b), onward, arriving) else { continue };
+            let heading = |i: DVec2| straight.map(i) - straight.map(DVec2::ZERO);
+            let is = [turn(chord, heading(a.inward)), turn(chord, heading(-b.inward))];
+            let Some((slopes, _)) = self.bend(is, wanted) else { continue };
+            let placement = straight.bent(at, target, slopes);
             let anchors = [(a.vertex, v), (b.vertex, end.unwrap_or_default())];
             let anchors = if end.is_some() { &anchors[..] } else { &anchors[..1] };
             if self.roughly_fits(&placement, at, end.map(|_| target))
@@ -347,44 +351,6 @@ impl Work<'_> {
             }
         }
         None
-    }
-
-    /// The placement, bent as far as patches may be so that the street from `a` to `b` leaves along `onward` and arrives
-    /// along `arriving`, and the least cosine of what is left of a bend at either end; `None` where that is too much.
-    pub(super) fn bend(
-        &self,
-        placement: Placement,
-        patch: &Patch,
-        (a, b): (crate::patch::Connectable, crate::patch::Connectable),
-        onward: DVec2,
-        arriving: Option<DVec2>,
-    ) -> Option<(Placement, f64)> {
-        let origin = placement.map(DVec2::ZERO);
-        let (from, to) = (placement.map(patch.vertices[a.vertex]), placement.map(patch.vertices[b.vertex]));
-        let chord = to - from;
-        let ends = [(placement.map(a.inward) - origin, Some(onward)), (origin - placement.map(b.inward), arriving)];
-        let mut slopes = [0.0; 2];
-        let mut least: f64 = 1.0;
-        for (i, (is, wanted)) in ends.into_iter().enumerate() {
-            let Some(wanted) = wanted else { continue };
-            let (x, y) = (turn(chord, is), turn(chord, wanted));
-            let off = y - x;
-            if off.abs() > 1.2 {
-                return None;
-            }
-            let steep = x.abs().max(y.abs()) > 0.9;
-            let bent = if steep { 0.0 } else { off.clamp(-self.bending, self.bending) };
-            // Less than this is no more than the jitter of streets, and what is straight stays so.
-            let bent = bent * smoothstep(0.01, 0.03, off.abs());
-            let slope = |angle: f64| crate::space::math::sin(angle) / crate::space::math::cos(angle);
-            slopes[i] = if bent == 0.0 { 0.0 } else { slope(x + bent) - slope(x) };
-            least = least.min(crate::space::math::cos(off - bent));
-        }
-        if least < self.straightness {
-            return None;
-        }
-        let bent = if slopes == [0.0; 2] { placement } else { placement.bent(from, to, slopes) };
-        Some((bent, least))
     }
 
     /// Lays a pattern in a row onwards from `v`.
@@ -441,7 +407,6 @@ mod tests {
                 let elements: u32 = work.used.iter().sum();
                 let ports = (0..cell.ports.len()).filter(|i| !work.has_stub(*i)).count();
                 out.push((elements, ports));
-                eprintln!("DBG {} {elements} {ports} runs {:?}", kit.style.name, cell.ports.len());
                 let streets = CellStreets { ..work.finish() };
                 assert_eq!(defects(&cell, &streets), Vec::<String>::new(), "{} {seed}", kit.style.name);
             }

@@ -2,11 +2,13 @@
 //! section 3.
 
 use super::Work;
-use super::canvas::{NONE, nearest};
+use super::bend::Bend;
+use super::canvas::{NONE, Seg, nearest};
 use super::proposal::{Join, Limits, Proposal, WEDGE};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
-use crate::space::{cut_line, segment_crossing};
+use crate::space::{Bounds, cut_line, segment_crossing};
+use crate::streets::MadeBy;
 use glam::DVec2;
 
 /// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
@@ -20,27 +22,6 @@ pub(super) struct Placement {
     y_axis: DVec2,
     offset: DVec2,
     bend: Option<Bend>,
-}
-
-/// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
-#[derive(Clone, Copy, Debug)]
-struct Bend {
-    from: DVec2,
-    along: DVec2,
-    length: f64,
-    /// Change of slope at the start and at the end.
-    slopes: [f64; 2],
-}
-
-impl Bend {
-    fn shift(&self, p: DVec2) -> DVec2 {
-        let x = (p - self.from).dot(self.along);
-        let t = (x / self.length).clamp(0.0, 1.0);
-        // The cubic with these slopes and no shift at the ends; straight on beyond them.
-        let inside = self.length * t * (1.0 - t) * (self.slopes[0] * (1.0 - t) - self.slopes[1] * t);
-        let beyond = self.slopes[0] * x.min(0.0) + self.slopes[1] * (x - self.length).max(0.0);
-        self.along.perp() * (inside + beyond)
-    }
 }
 
 impl Placement {
@@ -78,8 +59,8 @@ impl Placement {
 
     /// The same, bent so that the street that it has between `from` and `to` changes its slopes there by `slopes`.
     pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
-        let length = from.distance(to);
-        Self { bend: Some(Bend { from, along: (to - from) / length, length, slopes }), ..self }
+        let bend = if slopes == [0.0; 2] { None } else { Some(Bend::new(from, to, slopes)) };
+        Self { bend, ..self }
     }
 
     /// Whether it is more than turned, scaled and moved.
@@ -108,6 +89,43 @@ impl Work<'_> {
                     .free
                     .surely_nearer(p, WEDGE * end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e))))
         })
+    }
+
+    /// Narrows the obstacles down to those that matter to a placement; [`unfocus`](Self::unfocus) takes that back.
+    fn focus(&mut self, placement: &Placement) {
+        let patch = &self.brief.patches.patches[placement.patch];
+        // Arms are led on by this much at most, and keep their gap there.
+        let gap = self.limits.gap.max(self.limits.wall_gap);
+        let reach = gap.max(self.brief.style.local.snap_radius) + gap + 5.0;
+        let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
+        std::mem::swap(&mut self.near, &mut self.around);
+        self.near.segs.clear();
+        let matters = |s: &&Seg| bounds.overlaps(Bounds::new(s.low, s.high));
+        self.near.segs.extend(self.around.segs.iter().filter(matters));
+    }
+
+    /// Goes back to all the obstacles that were gathered.
+    fn unfocus(&mut self) {
+        std::mem::swap(&mut self.near, &mut self.around);
+    }
+
+    /// Makes the placement the proposal, as [`propose_patch`](Self::propose_patch) does, if it may be built; its rating.
+    pub(super) fn rate_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> Option<f64> {
+        self.focus(placement);
+        let fits = self.propose_patch(placement, anchors)
+            && self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
+        let rating = fits.then(|| self.rate());
+        self.unfocus();
+        rating
+    }
+
+    /// Builds the placement if it fits.
+    pub(super) fn build_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.focus(placement);
+        let made_by = MadeBy::Patch(placement.patch as u32);
+        let fits = self.propose_patch(placement, anchors) && self.build_if_fits(&self.limits.clone(), made_by);
+        self.unfocus();
+        fits
     }
 
     /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
