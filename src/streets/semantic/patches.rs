@@ -65,28 +65,19 @@ impl Work<'_> {
         self.breadth_first(v, at) || self.depth_first(v, at, direction)
     }
 
-    /// Loose ends other than `v`: where they lie and where they lead.
-    fn tips(&self, v: VertexIx) -> Vec<(DVec2, DVec2)> {
-        let mut tips: Vec<VertexIx> = Vec::new();
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            tips.extend([s.va, s.vb].into_iter().filter(|w| *w != v && self.canvas.is_dead_end(*w)));
-        }
-        tips.retain(|w| self.canvas.nodes[*w as usize].open);
-        let lead = |w: VertexIx| Some((self.canvas.graph.at(w), self.canvas.onward(w)?));
-        tips.into_iter().filter_map(lead).collect()
-    }
-
     /// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
-    fn meets_tip(&self, placement: &Placement, patch: &Patch, c: &Connectable, tips: &[(DVec2, DVec2)]) -> bool {
+    fn meets_tip(&self, placement: &Placement, patch: &Patch, c: &Connectable, from: [VertexIx; 2]) -> bool {
         let at = placement.map(patch.vertices[c.vertex]);
         let out = (placement.map(DVec2::ZERO) - placement.map(c.inward)).normalize_or_zero();
         let reach = self.brief.style.local.snap_radius + LEAST_ARM;
-        tips.iter().any(|(tip, lead)| {
-            let to = *tip - at;
+        self.near.tips.iter().any(|tip| {
+            let to = tip.at - at;
             let along = to.dot(out);
-            lead.dot(out) < -0.9
+            tip.open
                 && along.abs() < reach
+                && tip.lead.dot(out) < -0.9
                 && out.perp_dot(to).abs() < 3.0 + 0.15 * (along + LEAST_ARM).max(0.0)
+                && !from.contains(&tip.v)
         })
     }
 
@@ -97,22 +88,18 @@ impl Work<'_> {
         let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
         let farthest = longest.fold(0.0, f64::max) * (1.0 + STRETCH);
         let mut targets: Vec<(f64, VertexIx)> = Vec::new();
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (w, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let d = p.distance(at);
-                if w != v && d < farthest && self.canvas.is_dead_end(w) && self.canvas.nodes[w as usize].open {
-                    targets.push((d, w));
-                }
+        for tip in self.near.tips.iter().filter(|t| t.open && t.v != v) {
+            let d = tip.at.distance(at);
+            if d < farthest {
+                targets.push((d, tip.v));
             }
         }
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        targets.dedup();
         targets.retain(|(_, w)| {
             let p = self.canvas.graph.at(*w);
             self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
         });
         targets.truncate(TARGETS);
-        let tips = self.tips(v);
         let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
         for (d, w) in targets {
             let target = self.canvas.graph.at(w);
@@ -142,7 +129,7 @@ impl Work<'_> {
                         let placement = placement.bent(at, target, slopes);
                         if self.roughly_fits(&placement, at, Some(target)) {
                             let others = p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex);
-                            let met = others.filter(|c| self.meets_tip(&placement, p, c, &tips)).count() as f64;
+                            let met = others.filter(|c| self.meets_tip(&placement, p, c, [v, w])).count() as f64;
                             let kept = if placement.is_bent() { 0.85 } else { 1.0 };
                             let rating = rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met);
                             found.push((rating, placement, b.vertex, w));
@@ -175,13 +162,11 @@ impl Work<'_> {
         let d = at.distance(target);
         let line = (target - at) / d;
         let mut tips: Vec<(f64, f64)> = Vec::new();
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (u, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let place = (line.dot(p - at), line.perp_dot(p - at));
-                let faces = self.canvas.onward(u).is_some_and(|o| line.perp_dot(o) * place.1 < -0.9 * place.1.abs());
-                if u != v && u != w && place.0 > 0.0 && place.0 < d && faces && self.canvas.is_dead_end(u) {
-                    tips.push(place);
-                }
+        for tip in self.near.tips.iter().filter(|t| t.v != v && t.v != w) {
+            let place = (line.dot(tip.at - at), line.perp_dot(tip.at - at));
+            let faces = line.perp_dot(tip.lead) * place.1 < -0.9 * place.1.abs();
+            if place.0 > 0.0 && place.0 < d && faces {
+                tips.push(place);
             }
         }
         let shortest = LEAST_CORE * d;
@@ -297,21 +282,14 @@ impl Work<'_> {
         let p = &self.proposal;
         let mut rating: f64 = 1.0;
         for (i, at) in p.points.iter().enumerate() {
-            let ends = p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
+            let ends = || p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
             match p.joins[i] {
                 Join::Free(true) => {
                     // A connectable vertex that faces the end of a cul-de-sac leads nowhere.
-                    let blocked = self.near.segs.iter().any(|s| {
-                        [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
-                            !s.is_wall()
-                                && !self.canvas.nodes[v as usize].open
-                                && self.canvas.is_dead_end(v)
-                                && q.distance(*at) < nearby
-                        })
-                    });
+                    let blocked = self.near.tips.iter().any(|t| !t.open && t.at.distance(*at) < nearby);
                     rating -= if blocked { 0.2 } else { 0.0 };
                 }
-                Join::Free(false) if ends => {
+                Join::Free(false) if ends() => {
                     // A cul-de-sac fills a small place, and hinders in a wide one.
                     let fills = self.near.segs.iter().any(|s| nearest(*at, s.a, s.b).distance(*at) < nearby);
                     rating += if fills { 0.1 } else { -0.2 };
@@ -322,15 +300,11 @@ impl Work<'_> {
             }
         }
         for (a, b) in &p.edges {
-            let hinders = self.near.segs.iter().any(|s| {
-                [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
-                    !s.is_wall()
-                        && self.canvas.is_dead_end(v)
-                        && self.canvas.nodes[v as usize].open
-                        && !p.joins.contains(&Join::At(v))
-                        && nearest(q, p.points[*a], p.points[*b]).distance(q) < nearby
-                })
-            });
+            let (a, b) = (p.points[*a], p.points[*b]);
+            let hinders =
+                self.near.tips.iter().any(|t| {
+                    t.open && nearest(t.at, a, b).distance(t.at) < nearby && !p.joins.contains(&Join::At(t.v))
+                });
             rating -= if hinders { 0.2 } else { 0.0 };
         }
         rating.max(0.05)

@@ -102,6 +102,8 @@ impl Work<'_> {
         self.near.segs.clear();
         let matters = |s: &&Seg| bounds.overlaps(Bounds::new(s.low, s.high));
         self.near.segs.extend(self.around.segs.iter().filter(matters));
+        self.near.tips.clear();
+        self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
     }
 
     /// Goes back to all the obstacles that were gathered.
@@ -244,20 +246,16 @@ impl Work<'_> {
     ) -> Option<(VertexIx, DVec2)> {
         let snap = self.brief.style.local.snap_radius;
         let mut best: Option<(VertexIx, DVec2, f64)> = None;
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let along = (p - from).dot(direction);
-                if v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
-                    continue;
-                }
-                let off = direction.perp_dot(p - from).abs();
-                let straight = along >= self.straightness * from.distance(p);
-                if straight && best.is_none_or(|b| off < b.2) && self.canvas.is_dead_end(v) {
-                    let faces = self.canvas.onward(v).is_some_and(|o| o.dot(from - p) >= 0.7 * from.distance(p));
-                    if faces {
-                        best = Some((v, p, off));
-                    }
-                }
+        for tip in &self.near.tips {
+            let (p, off) = (tip.at, direction.perp_dot(tip.at - from).abs());
+            let along = (p - from).dot(direction);
+            if tip.v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                continue;
+            }
+            let far = from.distance(p);
+            let faces = tip.lead.dot(from - p) >= 0.7 * far;
+            if along >= self.straightness * far && faces && best.is_none_or(|b| off < b.2) {
+                best = Some((tip.v, p, off));
             }
         }
         best.map(|(v, p, _)| (v, p))

@@ -72,10 +72,6 @@ impl Proposal {
         }
     }
 
-    fn degree(&self, point: usize) -> usize {
-        self.edges.iter().filter(|(a, b)| *a == point || *b == point).count()
-    }
-
     /// Length of the shortest way from one point to another along its edges.
     fn way(&self, from: usize, to: usize) -> f64 {
         let mut far = vec![f64::INFINITY; self.points.len()];
@@ -186,6 +182,7 @@ pub(super) struct Checker {
     joints: Vec<Joint>,
     spare: Vec<Joint>,
     roots: Vec<u32>,
+    degrees: Vec<u8>,
     frontier: Vec<(VertexIx, f64)>,
 }
 
@@ -202,6 +199,12 @@ impl Checker {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
+        self.degrees.clear();
+        self.degrees.resize(p.points.len(), 0);
+        for (a, b) in &p.edges {
+            self.degrees[*a] = self.degrees[*a].saturating_add(1);
+            self.degrees[*b] = self.degrees[*b].saturating_add(1);
+        }
         let joints = (0..p.points.len()).filter(|i| p.joined(*i)).count();
         let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
         let reach = if joints > 1 { gaps.max(limits.min_round) } else { gaps };
@@ -209,7 +212,7 @@ impl Checker {
             if !p.joined(point) {
                 continue;
             }
-            if self.joints.len() >= 32 || p.degree(point) != 1 {
+            if self.joints.len() >= 32 || self.degrees[point] != 1 {
                 return false;
             }
             let mut joint = self.spare.pop().unwrap_or_default();
@@ -256,9 +259,11 @@ impl Checker {
             let next = towards(edge, at);
             length += p.points[at].distance(p.points[next]);
             at = next;
+            if self.degrees[at] != 2 {
+                break;
+            }
             let mut on = p.edges.iter().enumerate().filter(|(_, (a, b))| *a == at || *b == at).map(|(i, _)| i);
-            let (one, two, three) = (on.next(), on.next(), on.next());
-            let (Some(one), Some(two), None) = (one, two, three) else { break };
+            let (Some(one), Some(two)) = (on.next(), on.next()) else { break };
             edge = if one == edge { two } else { one };
             if self.roots[edge] & bit != 0 {
                 break;
@@ -362,7 +367,7 @@ impl Checker {
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
         let (low, high) = (a.min(b) - widest, a.max(b) + widest);
-        let open = |point: usize| !p.joined(point) && p.degree(point) == 1;
+        let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         'obstacles: for s in &near.segs {
             if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
