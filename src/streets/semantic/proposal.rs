@@ -169,7 +169,8 @@ impl Joint {
         if self.edge == s.edge {
             return self.at.distance(r);
         }
-        self.reached.iter().find(|x| x.edge == s.edge).map_or(f64::INFINITY, |x| {
+        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
+            let x = &self.reached[x];
             let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
             (da + s.a.distance(r)).min(db + s.b.distance(r))
         })
@@ -184,6 +185,10 @@ pub(super) struct Checker {
     roots: Vec<u32>,
     degrees: Vec<u8>,
     frontier: Vec<(VertexIx, f64)>,
+    /// For each edge and vertex the search that saw it last, and its place there.
+    edges_seen: Vec<(u32, u32)>,
+    vertices_seen: Vec<(u32, u32)>,
+    search: u32,
 }
 
 impl Checker {
@@ -332,12 +337,23 @@ impl Checker {
                 }
             }
         }
+        self.search = self.search.wrapping_add(1);
+        let search = self.search;
+        if self.vertices_seen.len() < g.vertex_count() {
+            self.vertices_seen.resize(g.vertex_count(), (0, 0));
+        }
+        for (i, (v, _)) in self.frontier.iter().enumerate() {
+            self.vertices_seen[*v as usize] = (search, i as u32);
+        }
         // Shortest paths over the few vertices in reach: each is settled when it is the nearest left.
         let mut settled = 0;
         while settled < self.frontier.len() {
             let rest = &self.frontier[settled..];
             let Some(least) = (0..rest.len()).min_by(|a, b| rest[*a].1.total_cmp(&rest[*b].1)) else { break };
             self.frontier.swap(settled, settled + least);
+            for i in [settled, settled + least] {
+                self.vertices_seen[self.frontier[i].0 as usize].1 = i as u32;
+            }
             let (v, d) = self.frontier[settled];
             settled += 1;
             if canvas.nodes[v as usize].port.is_some() {
@@ -346,20 +362,33 @@ impl Checker {
             for &edge in g.edges_at(v) {
                 let w = g.edge(edge).other(v);
                 let far = d + g.at(v).distance(g.at(w));
-                match joint.reached.iter_mut().find(|x| x.edge == edge) {
+                if self.edges_seen.len() <= edge as usize {
+                    self.edges_seen.resize(edge as usize + 1, (0, 0));
+                }
+                let seen = &mut self.edges_seen[edge as usize];
+                let known = if seen.0 == search { joint.reached.get_mut(seen.1 as usize) } else { None };
+                match known {
                     Some(x) if x.va == v => x.from_a = x.from_a.min(d),
                     Some(x) => x.from_b = x.from_b.min(d),
-                    None => joint.reached.push(Reached { edge, va: v, from_a: d, from_b: far }),
+                    None => {
+                        *seen = (search, joint.reached.len() as u32);
+                        joint.reached.push(Reached { edge, va: v, from_a: d, from_b: far });
+                    }
                 }
                 if far > reach {
                     continue;
                 }
-                match self.frontier.iter_mut().find(|x| x.0 == w) {
-                    Some(x) => x.1 = x.1.min(far),
-                    None => self.frontier.push((w, far)),
+                let seen = &mut self.vertices_seen[w as usize];
+                if seen.0 == search {
+                    let known = &mut self.frontier[seen.1 as usize].1;
+                    *known = known.min(far);
+                } else {
+                    *seen = (search, self.frontier.len() as u32);
+                    self.frontier.push((w, far));
                 }
             }
         }
+        joint.reached.sort_unstable_by_key(|x| x.edge);
     }
 
     fn edge_fits(&self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
