@@ -64,7 +64,9 @@ impl PatchShape {
             }
             arm.reverse();
             let mut along = 0.0;
-            for w in arm.windows(2) {
+            // A street between two ends may be cut back from either.
+            let fixed = if around[arm[0]].len() == 1 { &[][..] } else { &arm[..] };
+            for w in fixed.windows(2) {
                 let length = at(w[0]).distance(at(w[1]));
                 shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_ARM - along) / length).clamp(0.0, 1.0)));
                 along += length;

@@ -75,6 +75,21 @@ impl Seg {
 pub(super) struct Near {
     /// The obstacles.
     pub segs: Vec<Seg>,
+    /// The dead ends among their ends.
+    pub tips: Vec<Tip>,
+}
+
+/// A dead end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tip {
+    /// The vertex.
+    pub v: VertexIx,
+    /// Where it lies.
+    pub at: DVec2,
+    /// Unit direction in which its street would go on.
+    pub lead: DVec2,
+    /// Whether the network may go on here.
+    pub open: bool,
 }
 
 impl Near {
@@ -142,6 +157,11 @@ impl Canvas {
         self.graph.add_vertex(at)
     }
 
+    /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
+    pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
+        self.graph.add_edge(port, end, MadeBy::Growth);
+    }
+
     /// Adds an edge.
     pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);
@@ -192,6 +212,7 @@ impl Canvas {
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
     pub fn gather(&self, of: Bounds, reach: f64, near: &mut Near) {
         near.segs.clear();
+        near.tips.clear();
         let bounds = of.grown(reach);
         for w in &self.walls {
             let (low, high) = (w.a.min(w.b), w.a.max(w.b));
@@ -204,6 +225,12 @@ impl Canvas {
             let (low, high) = (a.min(b), a.max(b));
             if bounds.overlaps(Bounds::new(low, high)) {
                 near.segs.push(Seg { a, b, low, high, edge, va: e.a, vb: e.b, floor: 0.0 });
+                for (v, at, from) in [(e.a, a, b), (e.b, b, a)] {
+                    if self.is_dead_end(v) {
+                        let open = self.nodes[v as usize].open;
+                        near.tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
+                    }
+                }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The default filler: patches chosen by their semantics (Teng 2017, section 3), with parametric growth as fall-back and
 //! a repair pass.
 
+mod bend;
 mod canvas;
 mod free;
 mod growth;
@@ -70,6 +71,8 @@ struct Work<'a> {
     relaxed: Limits,
     /// Least cosine of the bend where a street goes on as another.
     straightness: f64,
+    /// Greatest angle by which a street may turn where another goes on from it, in radians.
+    most_turn: f64,
     /// Greatest angle by which a patch is bent at an end, in radians.
     bending: f64,
     /// Share of T junctions that growth goes on from, across the street that was met.
@@ -83,6 +86,8 @@ struct Work<'a> {
     /// Pinned patches that stand.
     laid: Vec<Laid>,
     near: Near,
+    /// Obstacles around one placement.
+    around: Near,
     proposal: Proposal,
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.
@@ -129,6 +134,7 @@ impl<'a> Work<'a> {
             limits,
             relaxed,
             straightness,
+            most_turn: math::acos(straightness),
             bending,
             crossings,
             field_pull,
@@ -136,6 +142,7 @@ impl<'a> Work<'a> {
             used: vec![0; brief.patches.patches.len()],
             laid: Vec::new(),
             near: Near::default(),
+            around: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),
             slots: Vec::new(),

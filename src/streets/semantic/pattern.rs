@@ -6,7 +6,7 @@ use super::place::Placement;
 use super::proposal::Join;
 use crate::network::VertexIx;
 use crate::patch::{Patch, Pattern};
-use crate::space::math::{smoothstep, turn};
+use crate::space::math::turn;
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -70,7 +70,7 @@ impl Work<'_> {
             let goes_on = runs.last().and_then(|r| r.last()).is_some_and(|&before: &usize| {
                 let (p, q) = (&ports[before], &ports[i]);
                 let step = q.at - p.at;
-                p.inward.dot(q.inward) > 0.97 && step.dot(p.inward).abs() < 0.15 * step.length()
+                p.inward.dot(q.inward) > 0.9 && step.dot(p.inward).abs() < 0.3 * step.length()
             });
             match runs.last_mut() {
                 Some(run) if goes_on => run.push(i),
@@ -96,7 +96,10 @@ impl Work<'_> {
         let shared = main.attachments.len() == 2 && (width - from.distance(to)).abs() < 1.0;
         let per_element = main.attachments.len().min(2);
         let runs: Vec<Vec<usize>> = self.runs().into_iter().filter(|r| r.len() >= per_element).collect();
-        let lengths: Vec<f64> = runs.iter().map(|r| (r.len() - per_element + 1) as f64).collect();
+        // Where a row can stand rather than one element.
+        let needed = if shared { 3 } else { 2 * per_element };
+        let room = |r: &Vec<usize>| if r.len() >= needed { (r.len() - per_element + 1) as f64 } else { 0.01 };
+        let lengths: Vec<f64> = runs.iter().map(room).collect();
         let Some(run) = self.rng.weighted(&lengths).map(|i| &runs[i]) else { return };
         if main.attachments.len() > 2 {
             return;
@@ -189,7 +192,9 @@ impl Work<'_> {
         self.gather(centre, 1.5 * patch.radius + self.limits.gap + self.limits.min_piece);
         let start = self.brief.ports[roots[0].1].at;
         let end = roots.get(1).map(|r| self.brief.ports[r.1].at);
-        let fits = self.roughly_fits(&placement, start, end)
+        // What is shared is there already: only the exact check can tell it from what is in the way.
+        let shares = roots.iter().any(|r| self.canvas.graph.degree(r.1 as VertexIx) > 0);
+        let fits = (shares || self.roughly_fits(&placement, start, end))
             && self.propose_patch(&placement, &anchors)
             && self.share_streets(roots)
             && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32));
@@ -197,7 +202,7 @@ impl Work<'_> {
             self.after_patch(placement.patch);
         } else {
             for stub in stubs {
-                self.canvas.add_edge(stub.a, stub.b, stub.data);
+                self.canvas.add_stub(stub.a, stub.b);
             }
         }
         fits
@@ -294,7 +299,7 @@ impl Work<'_> {
             let built = self.lay_element(element, at, target, end);
             let Some(next) = built else {
                 for stub in stubs {
-                    self.canvas.add_edge(stub.a, stub.b, stub.data);
+                    self.canvas.add_stub(stub.a, stub.b);
                 }
                 return k > 0;
             };
@@ -320,11 +325,16 @@ impl Work<'_> {
         };
         let arriving = end.map(|port| -self.brief.ports[port as usize].inward);
         self.gather((at + target) / 2.0, 1.2 * patch.radius + 2.0 * self.limits.gap + self.limits.min_piece);
+        let chord = target - at;
+        let wanted = [Some(turn(chord, onward)), arriving.map(|a| turn(chord, a))];
         let first = self.rng.chance(0.5);
         for (mirrored, back) in [(first, false), (!first, false), (first, true), (!first, true)] {
             let (a, b, pa, pb) = if back { (b, a, pb, pa) } else { (a, b, pa, pb) };
             let straight = Placement::new((element, a.vertex, pa), pb - pa, mirrored, at, target - at);
-            let Some((placement, _)) = self.bend(straight, patch, (a, b), onward, arriving) else { continue };
+            let heading = |i: DVec2| straight.map(i) - straight.map(DVec2::ZERO);
+            let is = [turn(chord, heading(a.inward)), turn(chord, heading(-b.inward))];
+            let Some((slopes, _)) = self.bend(is, wanted) else { continue };
+            let placement = straight.bent(at, target, slopes);
             let anchors = [(a.vertex, v), (b.vertex, end.unwrap_or_default())];
             let anchors = if end.is_some() { &anchors[..] } else { &anchors[..1] };
             if self.roughly_fits(&placement, at, end.map(|_| target))
@@ -341,44 +351,6 @@ impl Work<'_> {
             }
         }
         None
-    }
-
-    /// The placement, bent as far as patches may be so that the street from `a` to `b` leaves along `onward` and arrives
-    /// along `arriving`, and the least cosine of what is left of a bend at either end; `None` where that is too much.
-    pub(super) fn bend(
-        &self,
-        placement: Placement,
-        patch: &Patch,
-        (a, b): (crate::patch::Connectable, crate::patch::Connectable),
-        onward: DVec2,
-        arriving: Option<DVec2>,
-    ) -> Option<(Placement, f64)> {
-        let origin = placement.map(DVec2::ZERO);
-        let (from, to) = (placement.map(patch.vertices[a.vertex]), placement.map(patch.vertices[b.vertex]));
-        let chord = to - from;
-        let ends = [(placement.map(a.inward) - origin, Some(onward)), (origin - placement.map(b.inward), arriving)];
-        let mut slopes = [0.0; 2];
-        let mut least: f64 = 1.0;
-        for (i, (is, wanted)) in ends.into_iter().enumerate() {
-            let Some(wanted) = wanted else { continue };
-            let (x, y) = (turn(chord, is), turn(chord, wanted));
-            let off = y - x;
-            if off.abs() > 1.2 {
-                return None;
-            }
-            let steep = x.abs().max(y.abs()) > 0.9;
-            let bent = if steep { 0.0 } else { off.clamp(-self.bending, self.bending) };
-            // Less than this is no more than the jitter of streets, and what is straight stays so.
-            let bent = bent * smoothstep(0.01, 0.03, off.abs());
-            let slope = |angle: f64| crate::space::math::sin(angle) / crate::space::math::cos(angle);
-            slopes[i] = if bent == 0.0 { 0.0 } else { slope(x + bent) - slope(x) };
-            least = least.min(crate::space::math::cos(off - bent));
-        }
-        if least < self.straightness {
-            return None;
-        }
-        let bent = if slopes == [0.0; 2] { placement } else { placement.bent(from, to, slopes) };
-        Some((bent, least))
     }
 
     /// Lays a pattern in a row onwards from `v`.
@@ -410,4 +382,51 @@ impl Work<'_> {
 }
 
 /// Vertices this near are the same, in metres, where elements of a pattern share a street.
-const SAME: f64 = 2.5;
+const SAME: f64 = 7.0;
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{Kit, Sample};
+    use super::super::tests::defects;
+    use super::*;
+    use crate::streets::CellStreets;
+
+    /// How many elements `lay` built, over many cells of each style that has such patterns.
+    fn built(kits: &[Kit], main: bool, lay: impl Fn(&mut Work<'_>, &[usize])) -> Vec<(u32, usize)> {
+        let mut out = Vec::new();
+        for kit in kits {
+            let patches = &kit.patches;
+            let of = |i: &usize| patches.facts(patches.patterns()[*i].element).main.is_some() == main;
+            let patterns: Vec<usize> = (0..patches.patterns().len()).filter(of).collect();
+            for seed in 300..if patterns.is_empty() { 300 } else { 340 } {
+                let cell = Sample::new(seed, std::slice::from_ref(kit));
+                let brief = cell.brief();
+                let mut work = Work::new(&brief);
+                work.lay_stubs();
+                lay(&mut work, &patterns);
+                let elements: u32 = work.used.iter().sum();
+                let ports = (0..cell.ports.len()).filter(|i| !work.has_stub(*i)).count();
+                out.push((elements, ports));
+                let streets = CellStreets { ..work.finish() };
+                assert_eq!(defects(&cell, &streets), Vec::<String>::new(), "{} {seed}", kit.style.name);
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn patterns_stand_along_main_streets() {
+        let found = built(&Kit::all(), true, |work, of| work.pattern_along(of));
+        let rows = found.iter().filter(|(elements, _)| *elements >= 2).count();
+        assert!(rows * 8 > found.len(), "{rows} rows in {} cells", found.len());
+        // Each element begins at a port of its own, or shares its side street with the one before.
+        assert!(found.iter().all(|(elements, ports)| *ports >= *elements as usize));
+    }
+
+    #[test]
+    fn patterns_bridge_main_streets() {
+        let found = built(&Kit::all(), false, |work, of| work.pattern_between(of));
+        let bridges = found.iter().filter(|(_, ports)| *ports >= 2).count();
+        assert!(bridges * 8 > found.len(), "{bridges} of {} cells have a row from street to street", found.len());
+    }
+}

@@ -60,7 +60,7 @@ impl Work<'_> {
         self.gather(pinned.at, radius + limits.gap.max(limits.wall_gap).max(30.0));
         if !self.build_if_fits(limits, MadeBy::Patch(pinned.patch as u32)) {
             for stub in stubs {
-                self.canvas.add_edge(stub.a, stub.b, stub.data);
+                self.canvas.add_stub(stub.a, stub.b);
             }
             return false;
         }

@@ -2,15 +2,14 @@
 //! section 3.
 
 use super::Work;
-use super::canvas::{NONE, nearest};
-use super::proposal::{Join, Limits, Proposal};
+use super::bend::Bend;
+use super::canvas::{NONE, Seg, nearest};
+use super::proposal::{Join, Limits, Proposal, WEDGE};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
-use crate::space::{cut_line, segment_crossing};
+use crate::space::{Bounds, cut_line, segment_crossing};
+use crate::streets::MadeBy;
 use glam::DVec2;
-
-/// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
-const GRID_BLIND: f64 = 34.0;
 
 /// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
 #[derive(Clone, Copy, Debug)]
@@ -23,27 +22,6 @@ pub(super) struct Placement {
     y_axis: DVec2,
     offset: DVec2,
     bend: Option<Bend>,
-}
-
-/// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
-#[derive(Clone, Copy, Debug)]
-struct Bend {
-    from: DVec2,
-    along: DVec2,
-    length: f64,
-    /// Change of slope at the start and at the end.
-    slopes: [f64; 2],
-}
-
-impl Bend {
-    fn shift(&self, p: DVec2) -> DVec2 {
-        let x = (p - self.from).dot(self.along);
-        let t = (x / self.length).clamp(0.0, 1.0);
-        // The cubic with these slopes and no shift at the ends; straight on beyond them.
-        let inside = self.length * t * (1.0 - t) * (self.slopes[0] * (1.0 - t) - self.slopes[1] * t);
-        let beyond = self.slopes[0] * x.min(0.0) + self.slopes[1] * (x - self.length).max(0.0);
-        self.along.perp() * (inside + beyond)
-    }
 }
 
 impl Placement {
@@ -81,8 +59,8 @@ impl Placement {
 
     /// The same, bent so that the street that it has between `from` and `to` changes its slopes there by `slopes`.
     pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
-        let length = from.distance(to);
-        Self { bend: Some(Bend { from, along: (to - from) / length, length, slopes }), ..self }
+        let bend = if slopes == [0.0; 2] { None } else { Some(Bend::new(from, to, slopes)) };
+        Self { bend, ..self }
     }
 
     /// Whether it is more than turned, scaled and moved.
@@ -101,15 +79,55 @@ impl Placement {
 impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        let blind = GRID_BLIND * GRID_BLIND;
         // A little less than the gap: near the vertices it joins the distance along the network decides.
         let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
         self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
             !self.canvas.free.surely_nearer(p, need)
-                || p.distance_squared(start) < blind
-                || end.is_some_and(|e| p.distance_squared(e) < blind)
+                || !self
+                    .canvas
+                    .free
+                    .surely_nearer(p, WEDGE * end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e))))
         })
+    }
+
+    /// Narrows the obstacles down to those that matter to a placement; [`unfocus`](Self::unfocus) takes that back.
+    fn focus(&mut self, placement: &Placement) {
+        let patch = &self.brief.patches.patches[placement.patch];
+        // Arms are led on by this much at most, and keep their gap there.
+        let gap = self.limits.gap.max(self.limits.wall_gap);
+        let reach = gap.max(self.brief.style.local.snap_radius) + gap + 5.0;
+        let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
+        std::mem::swap(&mut self.near, &mut self.around);
+        self.near.segs.clear();
+        let matters = |s: &&Seg| bounds.overlaps(Bounds::new(s.low, s.high));
+        self.near.segs.extend(self.around.segs.iter().filter(matters));
+        self.near.tips.clear();
+        self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
+    }
+
+    /// Goes back to all the obstacles that were gathered.
+    fn unfocus(&mut self) {
+        std::mem::swap(&mut self.near, &mut self.around);
+    }
+
+    /// Makes the placement the proposal, as [`propose_patch`](Self::propose_patch) does, if it may be built; its rating.
+    pub(super) fn rate_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> Option<f64> {
+        self.focus(placement);
+        let fits = self.propose_patch(placement, anchors)
+            && self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
+        let rating = fits.then(|| self.rate());
+        self.unfocus();
+        rating
+    }
+
+    /// Builds the placement if it fits.
+    pub(super) fn build_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.focus(placement);
+        let made_by = MadeBy::Patch(placement.patch as u32);
+        let fits = self.propose_patch(placement, anchors) && self.build_if_fits(&self.limits.clone(), made_by);
+        self.unfocus();
+        fits
     }
 
     /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
@@ -228,20 +246,16 @@ impl Work<'_> {
     ) -> Option<(VertexIx, DVec2)> {
         let snap = self.brief.style.local.snap_radius;
         let mut best: Option<(VertexIx, DVec2, f64)> = None;
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let along = (p - from).dot(direction);
-                if v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
-                    continue;
-                }
-                let off = direction.perp_dot(p - from).abs();
-                let straight = along >= self.straightness * from.distance(p);
-                if straight && best.is_none_or(|b| off < b.2) && self.canvas.is_dead_end(v) {
-                    let faces = self.canvas.onward(v).is_some_and(|o| o.dot(from - p) >= 0.7 * from.distance(p));
-                    if faces {
-                        best = Some((v, p, off));
-                    }
-                }
+        for tip in &self.near.tips {
+            let (p, off) = (tip.at, direction.perp_dot(tip.at - from).abs());
+            let along = (p - from).dot(direction);
+            if tip.v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                continue;
+            }
+            let far = from.distance(p);
+            let faces = tip.lead.dot(from - p) >= 0.7 * far;
+            if along >= self.straightness * far && faces && best.is_none_or(|b| off < b.2) {
+                best = Some((tip.v, p, off));
             }
         }
         best.map(|(v, p, _)| (v, p))

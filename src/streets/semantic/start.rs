@@ -14,7 +14,7 @@ impl Work<'_> {
         for (i, port) in self.brief.ports.iter().enumerate() {
             let node = Node { open: true, target: 2, ..Node::default() };
             let end = self.canvas.add_vertex(port.at + port.inward * STUB_LENGTH, node);
-            self.canvas.add_edge(i as u32, end, MadeBy::Growth);
+            self.canvas.add_stub(i as u32, end);
         }
     }
 
@@ -35,6 +35,9 @@ impl Work<'_> {
             if initial.is_empty() || !self.rng.chance(0.34) || !self.start_with_patch(i as usize, &initial) {
                 self.queue.push_back(end);
             }
+        }
+        for port in self.brief.ports {
+            self.canvas.free.stamp(port.at, port.at + port.inward * STUB_LENGTH);
         }
     }
 
@@ -71,7 +74,7 @@ impl Work<'_> {
                 return true;
             }
         }
-        self.canvas.add_edge(removed.a, removed.b, removed.data);
+        self.canvas.add_stub(removed.a, removed.b);
         false
     }
 
@@ -86,7 +89,7 @@ impl Work<'_> {
         for (other, there) in self.brief.ports.iter().enumerate().filter(|(i, _)| *i != port) {
             let to = there.at - here.at;
             let scale = to.length() / from.length();
-            let in_line = there.inward.dot(here.inward) > 0.97 && to.dot(here.inward).abs() < 0.15 * to.length();
+            let in_line = there.inward.dot(here.inward) > 0.9 && to.dot(here.inward).abs() < 0.3 * to.length();
             if !in_line || !(0.8..=1.25).contains(&scale) || !self.has_stub(other) {
                 continue;
             }

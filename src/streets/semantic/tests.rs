@@ -222,7 +222,6 @@ fn patches_make_half_of_the_streets() {
             }
         }
         let share = (patched / all, f64::from(from_patches) / f64::from(streets));
-        eprintln!("{} {:.3} {:.3} {streets} {:.1} km", kit.style.name, share.0, share.1, all / 1000.0);
         assert!(share.0 > 0.5, "{}: {:.2} of the length is from patches", kit.style.name, share.0);
     }
 }
