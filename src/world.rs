@@ -6,8 +6,12 @@ mod audit;
 mod changed;
 mod route;
 mod settings;
+#[cfg(test)]
+mod town_tests;
 
-pub use crate::region::edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
+pub use crate::region::edits::{
+    EditList, Edits, Influence, PatchEdit, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint,
+};
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
 pub use audit::{Fault, Finding, audit, unreached_gates};
@@ -104,7 +108,8 @@ impl World {
         let settlements = Settlements::with_edits(seed, &settings.settlements, ground, wishes, has_style, region / 4);
         let settlements = Arc::new(settlements);
         let roads = Roads::with_edits(&settings.roads, terrain.clone(), settlements.clone(), &edits, region / 4 * 3);
-        let layers = Layers::new(seed, terrain, settlements, roads, kits, mib(settings.cache.town_mib));
+        let (sets, pins, bytes) = (assets.patch_sets.clone(), edits.patches.clone(), mib(settings.cache.town_mib));
+        let layers = Layers::new(seed, terrain, settlements, roads, kits, sets, pins, bytes);
         let chunks = LayerCache::new(mib(settings.cache.chunk_mib));
         Ok(Self { inner: Arc::new(Inner { seed, settings, assets, edits, layers, chunks }) })
     }
@@ -124,10 +129,12 @@ impl World {
         &self.inner.edits
     }
 
-    /// The edits that cannot be in this world, and why; it is the world without them. Makes the roads that edits want.
+    /// The edits that cannot be in this world, and why; it is the world without them. Makes the roads that edits want, and
+    /// the main cells that patches are pinned in.
     pub fn rejected_edits(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
         let mut out = self.settlements().rejected_edits().to_vec();
         out.extend(self.roads().rejected_edits(cancel)?);
+        out.extend(self.inner.layers.rejected_pins(cancel)?);
         Ok(out)
     }
 

@@ -1,36 +1,34 @@
 //! The layers below the chunk put together: towns, seams, streets and parcels with their caches, found by place.
 //!
-//! A town's seams read the plans of the towns that it touches; plans read nothing of each other but the borders.
+//! A town's seams read the plans of the towns that it touches; plans read nothing of each other but the borders, and for the
+//! styles of cells near these the style and outline of the other town.
 
+mod pins;
+
+use super::kits::{Blend, CellStyle, Kits, Spread, StyleKit};
 use crate::chunk::PlacedStreet;
 use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
 use crate::parcel::{self, CellParcels, ParcelBrief};
-use crate::patch::PatchDatabase;
+use crate::patch::PatchSet;
+use crate::region::edits::PatchEdit;
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
 use crate::seam::{self, Across, Seam};
 use crate::space::{Bounds, Origin, Seed};
-use crate::streets::{CellBrief, CellFiller, CellStreets, SemanticPatches};
+use crate::streets::{CellBrief, CellFiller, CellStreets, PinnedPatch, SemanticPatches};
 use crate::terrain::Terrain;
-use crate::town::{self, Filler, MainCell, Style, Town};
+use crate::town::{self, CellUse, Filler, MainCell, ParcelRules, Style, Town};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-/// A style with the patches that it may use.
-#[derive(Clone, Debug)]
-pub struct StyleKit {
-    /// The style.
-    pub style: Arc<Style>,
-    /// Its patches.
-    pub patches: PatchDatabase,
-}
 
 /// A town with its seams.
 #[derive(Clone, Debug)]
 pub struct SeamedTown {
     /// Main streets and main cells.
     pub town: Arc<Town>,
+    /// What each main cell is filled with.
+    pub cells: Vec<CellStyle>,
     /// Seams, one for each main street.
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
@@ -39,14 +37,22 @@ pub struct SeamedTown {
     pub shared: BTreeMap<StreetId, Origin>,
 }
 
+/// A town's plan with the styles of its main cells.
+struct Planned {
+    town: Arc<Town>,
+    /// What is mixed in each cell, and the mixture.
+    cells: Vec<(Blend, CellStyle)>,
+}
+
 /// Layers 1 to 7 of a world. Each thing is made once and kept while the cache of its layer has room.
 pub struct Layers {
     seed: Seed,
     terrain: Arc<dyn Terrain>,
     settlements: Arc<Settlements>,
     roads: Roads,
-    kits: BTreeMap<String, StyleKit>,
-    plans: LayerCache<SettlementId, Town>,
+    kits: Kits,
+    pins: Vec<PatchEdit>,
+    plans: LayerCache<SettlementId, Planned>,
     towns: LayerCache<SettlementId, SeamedTown>,
     streets: LayerCache<(SettlementId, usize), CellStreets>,
     parcels: LayerCache<(SettlementId, usize), CellParcels>,
@@ -73,14 +79,17 @@ pub(crate) struct Overlap {
 }
 
 impl Layers {
-    /// The layers of a world. `kits` holds every style that a settlement may name; `town_bytes` bounds the memory of
-    /// towns, streets and parcels together.
+    /// The layers of a world. `kits` holds every style that a settlement or another style may name, `sets` every patch set, `pins`
+    /// the patches that the user wants somewhere; `town_bytes` bounds the memory of towns, streets and parcels together.
+    #[expect(clippy::too_many_arguments, reason = "the things that a world is made of")]
     pub fn new(
         seed: Seed,
         terrain: Arc<dyn Terrain>,
         settlements: Arc<Settlements>,
         roads: Roads,
         kits: BTreeMap<String, StyleKit>,
+        sets: BTreeMap<String, Arc<PatchSet>>,
+        pins: Vec<PatchEdit>,
         town_bytes: usize,
     ) -> Self {
         let share = town_bytes / 4;
@@ -89,7 +98,8 @@ impl Layers {
             terrain,
             settlements,
             roads,
-            kits,
+            kits: Kits::new(kits, sets),
+            pins,
             plans: LayerCache::new(share / 4),
             towns: LayerCache::new(share / 4 * 3),
             streets: LayerCache::new(share),
@@ -123,33 +133,73 @@ impl Layers {
         self.parcels.clear();
     }
 
-    fn kit(&self, settlement: &Settlement) -> Result<&StyleKit, LayerError> {
-        self.kits.get(&settlement.style).ok_or_else(|| LayerError::UnknownStyle(settlement.style.clone()))
-    }
-
     /// Main streets and main cells of a settlement.
     pub fn plan(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<Town>, LayerError> {
+        Ok(self.planned(settlement, cancel)?.town.clone())
+    }
+
+    fn planned(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<Planned>, LayerError> {
         self.plans.get(&settlement.id, || {
             let outline = self.settlements.outline(settlement)?;
             let gates = self.roads.gates(settlement, cancel)?;
-            let style = &self.kit(settlement)?.style;
-            town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)
+            let style = &self.kits.of(&settlement.style)?.style;
+            let town = town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)?;
+            let own = self.kits.spread(settlement, &outline)?;
+            let mut across: Vec<(Spread, _)> = Vec::new();
+            for other in self.settlements.touching(settlement)? {
+                let there = self.settlements.outline(&other)?;
+                for shared in outline.shared.iter().filter(|s| s.border.sides.contains(&other.id)) {
+                    across.push((self.kits.spread(&other, &there)?, shared.border.clone()));
+                }
+            }
+            let mut cells = Vec::with_capacity(town.cells.len());
+            for cell in &town.cells {
+                let blend = own.blend(cell.anchor, &across);
+                let style = self.kits.mix(self.seed, cell.id, &blend, &[])?;
+                cells.push((blend, style));
+            }
+            Ok(Planned { town: Arc::new(town), cells })
         })
     }
 
     /// Main streets, main cells and seams of a settlement.
     pub fn town(&self, settlement: &Arc<Settlement>, cancel: &Cancel) -> Result<Arc<SeamedTown>, LayerError> {
         self.towns.get(&settlement.id, || {
-            let town = self.plan(settlement, cancel)?;
+            let plan = self.planned(settlement, cancel)?;
             let mut touched = Vec::new();
             for other in self.settlements.touching(settlement)? {
-                touched.push((self.plan(&other, cancel)?, &*self.kit(&other)?.style));
+                touched.push(self.planned(&other, cancel)?);
             }
-            let across: Vec<Across> = touched.iter().map(|(town, style)| Across { town, style }).collect();
-            let seams = seam::seams(self.seed, &town, &self.kit(settlement)?.style, &across);
-            let mains = seam::main_network(&town, &seams);
-            let shared = seam::shared_streets(&town, &seams);
-            Ok(SeamedTown { town, seams, mains, shared })
+            fn styles(plan: &Planned) -> Vec<&Style> {
+                plan.cells.iter().map(|(_, cell)| &*cell.style).collect()
+            }
+            let theirs: Vec<Vec<&Style>> = touched.iter().map(|plan| styles(plan)).collect();
+            let across: Vec<Across> =
+                touched.iter().zip(&theirs).map(|(plan, styles)| Across { town: &plan.town, styles }).collect();
+            let seams = seam::seams(self.seed, &plan.town, &styles(&plan), &across);
+            let mains = seam::main_network(&plan.town, &seams);
+            let shared = seam::shared_streets(&plan.town, &seams);
+            let cells = plan.cells.iter().map(|(_, cell)| cell.clone()).collect();
+            let mut town = SeamedTown { town: plan.town.clone(), cells, seams, mains, shared };
+            self.pin(&mut town, &plan)?;
+            Ok(town)
+        })
+    }
+
+    /// Gives `use_it` the brief of a main cell.
+    fn brief<T>(&self, town: &SeamedTown, cell: usize, with: &CellStyle, use_it: impl FnOnce(&CellBrief) -> T) -> T {
+        let (plan, of) = (&town.town, &town.town.cells[cell]);
+        use_it(&CellBrief {
+            seed: self.seed,
+            id: of.id,
+            border: &of.border,
+            street_half_width: &border_widths(plan, of),
+            ports: &seam::cell_ports(plan, &town.seams, cell),
+            field: &plan.field,
+            style: &with.style,
+            patches: &with.patches,
+            weights: &with.weights,
+            pinned: &with.pinned,
         })
     }
 
@@ -157,23 +207,13 @@ impl Layers {
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
         self.streets.get(&(plan.settlement.id, cell), || {
-            let kit = self.kit(&plan.settlement)?;
-            let of = &plan.cells[cell];
-            let brief = CellBrief {
-                seed: self.seed,
-                id: of.id,
-                border: &of.border,
-                street_half_width: &border_widths(plan, of),
-                ports: &seam::cell_ports(plan, &town.seams, cell),
-                field: &plan.field,
-                style: &kit.style,
-                patches: &kit.patches,
-                weights: &kit.patches.weights(),
-                pinned: &[],
-            };
-            match kit.style.filler {
-                Filler::SemanticPatches => SemanticPatches.fill(&brief, cancel),
+            if plan.cells[cell].used_as == CellUse::Open {
+                return Ok(CellStreets::default());
             }
+            let with = &town.cells[cell];
+            self.brief(town, cell, with, |brief| match with.style.filler {
+                Filler::SemanticPatches => SemanticPatches.fill(brief, cancel),
+            })
         })
     }
 
@@ -187,12 +227,14 @@ impl Layers {
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
             let across = self.streets_across(plan, near, cancel)?;
             let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
+            let rules = &town.cells[cell].style.parcels;
+            let park = ParcelRules { parks: 1.0, ..rules.clone() };
             let brief = ParcelBrief {
                 seed: self.seed,
                 id: of.id,
                 border: &of.border,
                 streets: &streets,
-                rules: &self.kit(&plan.settlement)?.style.parcels,
+                rules: if of.used_as == CellUse::Open { &park } else { rules },
                 centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)
@@ -300,11 +342,19 @@ impl Weigh for Town {
     }
 }
 
+impl Weigh for Planned {
+    fn bytes(&self) -> usize {
+        let cells = self.cells.iter().map(|(_, cell)| 200 + weigh_style(cell));
+        self.town.bytes() + cells.sum::<usize>()
+    }
+}
+
 impl Weigh for SeamedTown {
     fn bytes(&self) -> usize {
         let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
         let shared = self.shared.len() * 48;
-        self.town.bytes() + ports + shared + weigh_network(&self.mains)
+        let cells: usize = self.cells.iter().map(weigh_style).sum();
+        cells + ports + shared + weigh_network(&self.mains)
     }
 }
 
@@ -320,6 +370,11 @@ impl Weigh for CellParcels {
         let points = self.blocks.iter().map(|b| &b.polygon).chain(self.lots.iter().map(|l| &l.polygon));
         points.chain(self.footprints.iter().map(|f| &f.polygon)).map(|p| 64 + p.len() * size_of::<DVec2>()).sum()
     }
+}
+
+fn weigh_style(cell: &CellStyle) -> usize {
+    // A mixed style is the cell's own.
+    700 + 8 * cell.weights.len() + size_of::<PinnedPatch>() * cell.pinned.len()
 }
 
 fn weigh_network(network: &Network) -> usize {

@@ -1,21 +1,25 @@
 //! Layer 8: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; padding 0 for
 //! roads and terrain, the largest settlement radius for towns. A town's seams along borders read the plans of the towns that
-//! it touches, and its parcels the streets that these bring to the gates there.
+//! it touches, and its parcels the streets that these bring to the gates there. Main cells near a border
+//! mix the styles of both towns.
 //!
 //! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
 //! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut. A street
 //! along a border is part of two towns, and given out once, in the border's own frame.
 
 mod assemble;
+mod counts;
 mod deck;
 mod ground;
+mod kits;
 mod layers;
 
 pub use assemble::assemble;
 pub(crate) use assemble::{owner_of, street_owner};
 pub use deck::{Deck, ROAD_LIFT, junction_reach};
 pub use ground::{GROUND_STEP, Ground};
-pub use layers::{Layers, SeamedTown, StyleKit};
+pub use kits::{BORDER_BLEND, CellStyle, StyleKit};
+pub use layers::{Layers, SeamedTown};
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};

@@ -103,7 +103,7 @@ fn the_library_is_rich() {
 fn styles_are_sound_and_have_patches_for_every_need() {
     let sets = sets();
     let styles = files("styles");
-    assert_eq!(styles.len(), 5);
+    assert_eq!(styles.len(), 8);
     for (file, text) in &styles {
         let style = Style::from_ron(file, text).unwrap_or_else(|e| panic!("{e}"));
         let used: Vec<&PatchSet> = style.patch_sets.iter().map(|n| &sets[n]).collect();

@@ -1,7 +1,7 @@
 //! The geometry of a patch taken apart as a filler needs it: what may be cut back, what may not, and whether its streets
 //! keep the distances that a filler keeps.
 
-use crate::patch::{Patch, PatchEdge};
+use crate::patch::Patch;
 use crate::space::segment_distance;
 use glam::DVec2;
 
@@ -24,9 +24,10 @@ pub struct PatchShape {
     pub samples: Vec<DVec2>,
     /// Edges that are on no arm.
     pub core: Vec<(usize, usize)>,
-    /// For each connectable vertex its street, from the other end to that vertex.
+    /// For each end its street, from the other end to that one. Ends are the connectable vertices, and those on a main
+    /// street that one local street leaves from.
     pub arms: Vec<Vec<usize>>,
-    /// For each vertex whether it is connectable.
+    /// For each vertex whether it is such an end.
     pub is_end: Vec<bool>,
     /// Whether the streets keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, and are
     /// not too short, even when the patch is made smaller by [`STRETCH`].
@@ -46,9 +47,11 @@ impl PatchShape {
         let mut shape = Self { is_end: vec![false; n], ..Self::default() };
         let mut on_arm = vec![false; patch.edges.len()];
         let at = |v: usize| patch.vertices[v];
-        for c in &patch.connectables {
-            shape.is_end[c.vertex] = true;
-            let (mut v, mut arm, mut edge) = (c.vertex, vec![c.vertex], around[c.vertex][0]);
+        let roots = (0..n).filter(|v| on_main(*v) && around[*v].len() == 1);
+        let ends: Vec<usize> = patch.connectables.iter().map(|c| c.vertex).chain(roots).collect();
+        for end in ends {
+            shape.is_end[end] = true;
+            let (mut v, mut arm, mut edge) = (end, vec![end], around[end][0]);
             loop {
                 on_arm[edge] = true;
                 v = patch.edges[edge].other(v);
@@ -61,7 +64,9 @@ impl PatchShape {
             }
             arm.reverse();
             let mut along = 0.0;
-            for w in arm.windows(2) {
+            // A street between two ends may be cut back from either.
+            let fixed = if around[arm[0]].len() == 1 { &[][..] } else { &arm[..] };
+            for w in fixed.windows(2) {
                 let length = at(w[0]).distance(at(w[1]));
                 shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_ARM - along) / length).clamp(0.0, 1.0)));
                 along += length;
@@ -87,10 +92,21 @@ impl PatchShape {
 
 /// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
 fn is_sound(patch: &Patch) -> bool {
-    let least = STREET_FLOOR / (1.0 - STRETCH);
-    let edges: Vec<_> = patch.edges.iter().filter(|e| !e.main).collect();
-    let at = |v: usize| patch.vertices[v];
-    let degree = |v: usize| edges.iter().filter(|e| e.a == v || e.b == v).count();
+    let edges: Vec<(usize, usize)> = patch.edges.iter().filter(|e| !e.main).map(|e| (e.a, e.b)).collect();
+    keeps_rules(&patch.vertices, &edges, 1.0 / (1.0 - STRETCH))
+}
+
+/// Whether streets between `points` keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more and
+/// are not too short; distances are `larger` times what they must be.
+pub(crate) fn keeps_rules(points: &[DVec2], edges: &[(usize, usize)], larger: f64) -> bool {
+    let least = STREET_FLOOR * larger;
+    let at = |v: usize| points[v];
+    let mut degrees = vec![0u32; points.len()];
+    for (a, b) in edges {
+        degrees[*a] += 1;
+        degrees[*b] += 1;
+    }
+    let degree = |v: usize| degrees[v];
     // Streets: runs of edges between vertices of other degree than 2.
     let mut street = vec![usize::MAX; edges.len()];
     let mut ends: Vec<[usize; 2]> = Vec::new();
@@ -100,31 +116,36 @@ fn is_sound(patch: &Patch) -> bool {
         }
         let id = ends.len();
         street[i] = id;
-        let mut length = at(edges[i].a).distance(at(edges[i].b));
-        let mut reached = [edges[i].a, edges[i].b];
+        let mut length = at(edges[i].0).distance(at(edges[i].1));
+        let mut reached = [edges[i].0, edges[i].1];
         for end in &mut reached {
             while degree(*end) == 2 {
                 let Some(next) =
-                    (0..edges.len()).find(|k| street[*k] == usize::MAX && (edges[*k].a == *end || edges[*k].b == *end))
+                    (0..edges.len()).find(|k| street[*k] == usize::MAX && (edges[*k].0 == *end || edges[*k].1 == *end))
                 else {
                     break;
                 };
                 street[next] = id;
-                length += at(edges[next].a).distance(at(edges[next].b));
-                *end = if edges[next].a == *end { edges[next].b } else { edges[next].a };
+                length += at(edges[next].0).distance(at(edges[next].1));
+                *end = if edges[next].0 == *end { edges[next].1 } else { edges[next].0 };
             }
         }
         ends.push(reached);
-        if length < 16.0 / (1.0 - STRETCH) && reached.iter().all(|v| degree(*v) > 2) {
+        if length < 16.0 * larger && reached.iter().all(|v| degree(*v) > 2) {
             return false;
         }
     }
     edges.iter().enumerate().all(|(i, e)| {
         edges[..i].iter().enumerate().all(|(k, f)| {
-            let meet = [e.a, e.b].into_iter().find(|v| *v == f.a || *v == f.b);
-            let apart = || segment_distance(at(e.a), at(e.b), at(f.a), at(f.b));
+            let (e0, e1, f0, f1) = (at(e.0), at(e.1), at(f.0), at(f.1));
+            let (low, high) = (e0.min(e1) - least, e0.max(e1) + least);
+            if low.cmpgt(f0.max(f1)).any() || f0.min(f1).cmpgt(high).any() {
+                return true;
+            }
+            let meet = [e.0, e.1].into_iter().find(|v| *v == f.0 || *v == f.1);
+            let apart = || segment_distance(e0, e1, f0, f1);
             if let Some(v) = meet {
-                let arm = |x: &PatchEdge| (at(if x.a == v { x.b } else { x.a }) - at(v)).normalize_or_zero();
+                let arm = |x: &(usize, usize)| (at(if x.0 == v { x.1 } else { x.0 }) - at(v)).normalize_or_zero();
                 let cosine = arm(e).dot(arm(f));
                 return cosine < if degree(v) == 2 { 0.3 } else { 0.75 };
             }

@@ -405,11 +405,11 @@ impl Settlements {
             .collect();
         // Stable: of equals the first drawn stays first.
         places.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let Some(&(_, centre)) = places.iter().find(|(_, p)| site::suits(&mut ground, p.plan(), radius, s.max_slope))
-        else {
-            return Ok(None);
-        };
-        let style = s.draw_style(&mut stream, size);
+        let mut suiting =
+            places.iter().filter_map(|(_, p)| Some((*p, site::suits(&mut ground, p.plan(), radius, s.max_slope)?)));
+        let Some((centre, slope)) = suiting.next() else { return Ok(None) };
+        let drawn = s.draw_style(&mut stream, size);
+        let style = s.style_on_slope(size, slope).unwrap_or(drawn);
         let id = SettlementId(stable_hash(&[size as u64, cell.x as u64, cell.y as u64]).max(1));
         let name = name::place_name(&mut stream, size);
         Ok(Some(Arc::new(Settlement { id, centre, radius, size, style, name })))

@@ -4,11 +4,13 @@ use super::stub::{Hand, Kerb, Spot, has_room};
 use crate::network::{JunctionId, StreetClass, StreetId};
 use crate::seam::{Port, Seam};
 use crate::space::{QUANTUM, Seed, line_length};
-use crate::town::{FieldKind, Style, Town};
+use crate::town::{CellUse, FieldKind, Style, Town};
 use glam::DVec2;
 
 /// Step of the search for a place where a proposal has room, in metres.
 const SEARCH_STEP: f64 = 4.0;
+/// Least distance of a port from the ends of its street, in metres.
+const LEAST_END: f64 = 30.0;
 
 /// A place with what attaches to it.
 #[derive(Clone, Copy, Debug)]
@@ -47,20 +49,22 @@ impl Attached {
 pub struct Across<'a> {
     /// Its plan.
     pub town: &'a Town,
-    /// Its style.
-    pub style: &'a Style,
+    /// The style of each of its main cells.
+    pub styles: &'a [&'a Style],
 }
 
-/// The seams of a town, one for each of [`Town::mains`]. `across` holds the towns that it shares borders with.
+/// The seams of a town, one for each of [`Town::mains`]. `styles` holds the style of each main cell, `across` the towns that
+/// it shares borders with.
 ///
-/// Both sides of a street propose ports, each from a stream of its own; proposals are paired by PatchCity's cost
-/// (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one crossing, and what
-/// stays alone is a T. Cells that got fewer than two ports then get more where there is room. Along a border each of the two
-/// towns proposes for its side from its own style, and both find the same ports.
-pub fn seams(seed: Seed, town: &Town, style: &Style, across: &[Across<'_>]) -> Vec<Seam> {
-    let brinks: Vec<Brink> = (0..town.mains.len()).map(|main| Brink::new(town, style, main, across)).collect();
+/// Both sides of a street propose ports, each from the style of its cell and a stream of its own; proposals are paired by
+/// PatchCity's cost (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one
+/// crossing, and what stays alone is a T. Cells that got fewer than two ports then get more where there is room. Along a
+/// border each of the two towns proposes for its side from its own styles, and both find the same ports.
+pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) -> Vec<Seam> {
+    let own = Across { town, styles };
+    let brinks: Vec<Brink> = (0..town.mains.len()).map(|main| Brink::new(own, main, across)).collect();
     let mut all: Vec<Vec<Attached>> = brinks.iter().map(|brink| seam(seed, brink)).collect();
-    supply_cells(town, style, &brinks, &mut all);
+    supply_cells(own, &brinks, &mut all);
     let port = |brink: &Brink, a: &Attached| {
         let [x, y] = (a.spot.at / QUANTUM).round().as_i64vec2().to_array().map(|v| v as u64);
         let junction = JunctionId::of(&[brink.street.0, 0x70, x, y]);
@@ -85,36 +89,42 @@ struct Brink<'a> {
 }
 
 impl<'a> Brink<'a> {
-    fn new(town: &'a Town, style: &'a Style, main: usize, across: &[Across<'a>]) -> Self {
-        let street = &town.mains[main];
+    fn new(own: Across<'a>, main: usize, across: &[Across<'a>]) -> Self {
+        let street = &own.town.mains[main];
         let id = street.street.id;
-        let kerb = |town: &'a Town, style, main, hand, shift| Some(Kerb { town, style, main, hand, shift });
+        let kerb = |of: &Across<'a>, main: usize, hand: Hand, shift: DVec2| {
+            let street = &of.town.mains[main];
+            let cell = match hand {
+                Hand::Left => street.left,
+                Hand::Right => street.right,
+            };
+            Some(Kerb { town: of.town, style: of.styles.get(cell)?, main, hand, shift })
+        };
         let Some(border) = &street.border else {
             return Self {
                 street: id,
                 line: street.street.line.clone(),
                 length: street.street.length(),
-                left: kerb(town, style, main, Hand::Left, DVec2::ZERO),
-                right: kerb(town, style, main, Hand::Right, DVec2::ZERO),
+                left: kerb(&own, main, Hand::Left, DVec2::ZERO),
+                right: kerb(&own, main, Hand::Right, DVec2::ZERO),
                 shift: DVec2::ZERO,
                 shared: false,
             };
         };
-        let own = Across { town, style };
         let on = |hand: Hand| {
             let side = border.sides[usize::from(hand == Hand::Right)];
             let of = std::iter::once(&own).chain(across).find(|a| a.town.settlement.id == side)?;
             let main = of.town.mains.iter().position(|m| m.street.id == id)?;
-            kerb(of.town, of.style, main, hand, border.origin.offset_to(of.town.origin))
+            kerb(of, main, hand, border.origin.offset_to(of.town.origin))
         };
-        let line = street.street.moved(town.origin.offset_to(border.origin)).line;
+        let line = street.street.moved(own.town.origin.offset_to(border.origin)).line;
         Self {
             street: id,
             length: line_length(&line),
             line,
             left: on(Hand::Left),
             right: on(Hand::Right),
-            shift: border.origin.offset_to(town.origin),
+            shift: border.origin.offset_to(own.town.origin),
             shared: true,
         }
     }
@@ -201,17 +211,15 @@ fn settle(brink: &Brink, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -
         let d = i as f64 * SEARCH_STEP;
         [along + d, along - d]
     }));
-    tries.filter(|s| *s > 0.0 && *s < brink.length).find_map(|s| Spot::near(&brink.line, s).filter(&good))
+    let inner = |s: &Spot| s.along >= LEAST_END && s.along <= brink.length - LEAST_END;
+    tries
+        .filter(|s| *s > 0.0 && *s < brink.length)
+        .find_map(|s| Spot::near(&brink.line, s).filter(|spot| inner(spot) && good(spot)))
 }
 
 /// Distance along the street up to which proposals of the two sides become one crossing.
 fn cutoff(style: &Style) -> f64 {
-    let share = match style.main.field {
-        FieldKind::Grid => 0.5,
-        FieldKind::Radial | FieldKind::Contours => 0.4,
-        FieldKind::Organic => 0.25,
-    };
-    share * style.seam.spacing
+    style.seam.crossing * style.seam.spacing
 }
 
 /// PatchCity's cost of joining two streets across a seam (section 3.1, equations 2 to 4).
@@ -258,8 +266,9 @@ fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) 
 
 /// Gives cells with fewer than two ports more, where there is room: a T, or else the other arm of one. Not on borders, where
 /// the other town would have to know.
-fn supply_cells(town: &Town, style: &Style, brinks: &[Brink], all: &mut [Vec<Attached>]) {
-    for cell in &town.cells {
+fn supply_cells(own: Across<'_>, brinks: &[Brink], all: &mut [Vec<Attached>]) {
+    let town = own.town;
+    for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.used_as == CellUse::Built) {
         let mut sides: Vec<(usize, Hand)> = cell
             .sides
             .iter()

@@ -4,7 +4,7 @@
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{Style, Town};
+use crate::town::{CellUse, MainCell, Style, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
@@ -92,7 +92,8 @@ pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
         Hand::Left => street.left,
         Hand::Right => street.right,
     };
-    let Some(cell) = kerb.town.cells.get(cell) else { return false };
+    let open_to = |c: &&MainCell| c.used_as == CellUse::Built;
+    let Some(cell) = kerb.town.cells.get(cell).filter(open_to) else { return false };
     let (from, inward) = (spot.at + kerb.shift, spot.inward(hand));
     let tip = from + inward * STUB_LENGTH;
     let reach = Bounds::of([from, tip]).grown(ROOM);
@@ -105,8 +106,13 @@ pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
                 return true;
             }
             let segment = if side.forward { i } else { side.count - 1 - i };
-            if !same || !one_run(&street.street.line, segment, spot) {
-                return segment_distance(from, tip, a, b) >= ROOM;
+            if !same {
+                // Where there is no street nothing comes towards the stub.
+                let room = if side.main.is_some() { ROOM } else { STUB_CLEARANCE + 2.0 };
+                return segment_distance(from, tip, a, b) >= room;
+            }
+            if !one_run(&street.street.line, segment, spot) {
+                return segment_distance(from.lerp(tip, 0.5), tip, a, b) >= STUB_CLEARANCE + 1.0;
             }
             // A run that bends towards the stub must not come near its end.
             segment == spot.segment || distance_to_segment(tip, a, b) >= STUB_CLEARANCE + 1.0

@@ -3,7 +3,7 @@
 
 mod semantic;
 
-pub use semantic::SemanticPatches;
+pub use semantic::{SemanticPatches, find_place};
 
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street};
@@ -79,6 +79,9 @@ pub struct CellStreets {
     pub streets: Vec<LocalStreet>,
     /// Ports that no street reaches. A filler that leaves one here has a defect.
     pub unmet: Vec<JunctionId>,
+    /// Pinned patches that were left out, as indices into [`CellBrief::pinned`] in order: they do not keep to the border, to
+    /// a port or to one before them, break the rules in themselves, or no street can reach them.
+    pub unfit: Vec<usize>,
 }
 
 /// Fills a main cell with local streets: a pure function of the brief.

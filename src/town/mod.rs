@@ -3,6 +3,7 @@
 //! settlements that it touches come from the outline, so the plans of both hold the same.
 
 mod field;
+mod mix;
 mod plan;
 #[cfg(test)]
 pub(crate) mod sample;
@@ -10,7 +11,7 @@ mod style;
 
 pub use field::DirectionField;
 pub use plan::plan;
-pub use style::{FieldKind, Filler, LocalRules, MainRules, ParcelRules, SeamRules, Style};
+pub use style::{FieldKind, Filler, FringeRules, LocalRules, MainRules, ParcelRules, PatchCount, SeamRules, Style};
 
 use crate::network::{Junction, Street};
 use crate::region::{Border, Gate, Outline, Settlement};
@@ -56,11 +57,22 @@ pub struct CellSide {
     pub count: usize,
 }
 
+/// What a main cell is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellUse {
+    /// Local streets and buildings.
+    Built,
+    /// An open place between main streets, such as the island of a roundabout: no street attaches to its sides.
+    Open,
+}
+
 /// Face of the planar graph of main streets and town outline: the unit of filling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MainCell {
     /// Stable name.
     pub id: CellId,
+    /// What it is for.
+    pub used_as: CellUse,
     /// Border, counter-clockwise, with the cell on its left. A main street that ends inside the cell is walked on both
     /// sides, so points may repeat.
     pub border: Vec<DVec2>,

@@ -1,11 +1,14 @@
-//! Planning a settlement: field, growth, gates, repair, arterials, cells.
+//! Planning a settlement: field, growth, gates, repair, arterials, places, cells.
 
 mod arterial;
 mod border;
+#[cfg(test)]
+mod cell_tests;
 mod cells;
 mod fringe;
 mod grow;
 mod link;
+mod places;
 mod pole;
 mod repair;
 mod sketch;
@@ -84,6 +87,7 @@ pub fn plan(
     }
     arterial::mark_arterials(&mut sketch);
     repair::drop_slivers(&mut sketch, cancel)?;
+    places::make_places(&mut sketch, &style.main, seed, settlement.id.0);
     cancel.check()?;
     let laid = border::lay(&mut sketch, outline, origin);
     let borders = fringe::borders(&sketch, &laid);

@@ -74,6 +74,9 @@ pub(crate) fn case_of(number: u64, field: FieldKind, radius: f64, gates: usize) 
     if field == FieldKind::Radial {
         style.main.degree = (3, 5);
     }
+    if number.is_multiple_of(2) {
+        (style.main.roundabouts, style.main.squares) = (0.5, 0.5);
+    }
     style.check().unwrap();
     Case { seed, settlement, outline: Arc::new(Outline { origin, polygon, shared: Vec::new() }), gates, style, terrain }
 }

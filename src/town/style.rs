@@ -1,6 +1,8 @@
 //! Styles: how streets, lots and buildings of a settlement look. Read from RON files.
 
 use crate::layer::{FileError, RangeError, from_ron};
+use crate::patch::Patch;
+use crate::space::math::smoothstep;
 use serde::{Deserialize, Serialize};
 
 /// Directions that the streets of a style prefer.
@@ -50,6 +52,10 @@ pub struct MainRules {
     pub angle_deviation_deg: f64,
     /// Distance within which a street's end snaps to a junction or street.
     pub snap_radius: f64,
+    /// Share (0 to 1) of the big junctions that become roundabouts: rings of main streets around an island.
+    pub roundabouts: f64,
+    /// Share (0 to 1) of them that become squares: main streets around an open place. With `roundabouts` at most 1.
+    pub squares: f64,
 }
 
 impl Default for MainRules {
@@ -63,6 +69,8 @@ impl Default for MainRules {
             min_angle_deg: 55.0,
             angle_deviation_deg: 6.0,
             snap_radius: 90.0,
+            roundabouts: 0.0,
+            squares: 0.0,
         }
     }
 }
@@ -77,11 +85,14 @@ pub struct SeamRules {
     pub jitter: f64,
     /// Least distance between two attachment points, and to the ends of the main street.
     pub min_spacing: f64,
+    /// Distance along the street, as a share of the spacing (0 to 0.5), up to which points of the two sides become one crossing:
+    /// with little of it most are T-junctions.
+    pub crossing: f64,
 }
 
 impl Default for SeamRules {
     fn default() -> Self {
-        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0 }
+        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0, crossing: 0.4 }
     }
 }
 
@@ -162,6 +173,39 @@ impl Default for ParcelRules {
     }
 }
 
+/// How another style takes over from the centre of a settlement outwards.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FringeRules {
+    /// Name of the style of the fringe.
+    pub style: String,
+    /// Where it begins, as a share of the settlement's radius: 0 to 1.
+    pub begins: f64,
+    /// Where nothing is left of the style of the centre, likewise: from `begins` to 2.
+    pub complete: f64,
+}
+
+/// How often a patch is used in a settlement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatchCount {
+    /// Name of the patch.
+    pub patch: String,
+    /// Number of main cells in which it stands in any case, as far as there are cells that have room for it.
+    #[serde(default)]
+    pub at_least: u32,
+    /// Greatest number of times that it is used in the settlement, once in a main cell; no limit when not given.
+    #[serde(default)]
+    pub at_most: Option<u32>,
+    /// What its weight is multiplied by: 0 to 1000.
+    #[serde(default = "one")]
+    pub weight: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
 /// How the streets, lots and buildings of a settlement look.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -183,6 +227,10 @@ pub struct Style {
     pub allow: Vec<String>,
     /// Tags of which a patch must have none.
     pub exclude: Vec<String>,
+    /// How often single patches are used.
+    pub patches: Vec<PatchCount>,
+    /// The style that takes over towards the outline; none if not given.
+    pub fringe: Option<FringeRules>,
     /// Lots and buildings.
     pub parcels: ParcelRules,
 }
@@ -195,6 +243,24 @@ impl Style {
         style.name =
             std::path::Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(style)
+    }
+
+    /// Whether the tags of a patch let this style use it.
+    pub fn allows(&self, patch: &Patch) -> bool {
+        (self.allow.is_empty() || self.allow.iter().any(|t| patch.tags.contains(t)))
+            && !self.exclude.iter().any(|t| patch.tags.contains(t))
+    }
+
+    /// Weight of a patch of one of its sets: 0 if its tags rule it out.
+    pub fn weight_of(&self, patch: &Patch) -> f64 {
+        let factor = self.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
+        if self.allows(patch) { patch.weight * factor } else { 0.0 }
+    }
+
+    /// Share of the fringe's style at a distance from the centre, in radii of the settlement: 0 to 1.
+    pub fn fringe_share(&self, radii: f64) -> f64 {
+        let share = |f: &FringeRules| smoothstep(f.begins, f.complete.max(f.begins + 1e-6), radii);
+        self.fringe.as_ref().map_or(0.0, share)
     }
 
     /// Checks that every value lies in its allowed range.
@@ -211,14 +277,17 @@ impl Style {
             order("degree", (m.degree.0.into(), m.degree.1.into()), 2.0, 8.0)?;
             range("min_angle_deg", m.min_angle_deg, 15.0, 90.0)?;
             range("angle_deviation_deg", m.angle_deviation_deg, 0.0, 45.0)?;
-            range("snap_radius", m.snap_radius, 10.0, m.length)
+            range("snap_radius", m.snap_radius, 10.0, m.length)?;
+            range("roundabouts", m.roundabouts, 0.0, 1.0)?;
+            range("squares", m.squares, 0.0, 1.0 - m.roundabouts)
         };
         main().map_err(|e: RangeError| e.within("main"))?;
         let s = &self.seam;
         let seam = || {
             range("spacing", s.spacing, 30.0, 1000.0)?;
             range("jitter", s.jitter, 0.0, 0.45)?;
-            range("min_spacing", s.min_spacing, 30.0, s.spacing.max(30.0))
+            range("min_spacing", s.min_spacing, 30.0, s.spacing.max(30.0))?;
+            range("crossing", s.crossing, 0.0, 0.5)
         };
         seam().map_err(|e: RangeError| e.within("seam"))?;
         let l = &self.local;
@@ -245,6 +314,17 @@ impl Style {
             range("vacant", p.vacant, 0.0, 1.0)?;
             range("parks", p.parks, 0.0, 1.0)
         };
-        parcels().map_err(|e: RangeError| e.within("parcels"))
+        parcels().map_err(|e: RangeError| e.within("parcels"))?;
+        for count in &self.patches {
+            range("weight", count.weight, 0.0, 1000.0).map_err(|e| e.within("patches"))?;
+            if let Some(most) = count.at_most {
+                range("at_most", most.into(), count.at_least.into(), f64::from(u32::MAX))
+                    .map_err(|e| e.within("patches"))?;
+            }
+        }
+        let Some(fringe) = &self.fringe else { return Ok(()) };
+        range("begins", fringe.begins, 0.0, 1.0)
+            .and_then(|()| range("complete", fringe.complete, fringe.begins, 2.0))
+            .map_err(|e| e.within("fringe"))
     }
 }

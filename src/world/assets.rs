@@ -2,7 +2,7 @@
 
 use crate::chunk::StyleKit;
 use crate::layer::{FileError, RangeError};
-use crate::patch::{PatchDatabase, PatchSet};
+use crate::patch::PatchSet;
 use crate::region::RejectedEdit;
 use crate::town::Style;
 use crate::world::Settings;
@@ -23,6 +23,24 @@ pub enum WorldError {
         style: String,
         /// Names of the styles there are.
         known: String,
+    },
+    /// A style names a style for its fringe that the assets lack.
+    #[error("style `{style}` names the style `{fringe}` for its fringe, which is not among the styles: {known}")]
+    MissingFringe {
+        /// Name of the style.
+        style: String,
+        /// Name of the fringe's style.
+        fringe: String,
+        /// Names of the styles there are.
+        known: String,
+    },
+    /// A style counts a patch that none of its sets has.
+    #[error("style `{style}` counts the patch `{patch}`, which none of its patch sets has")]
+    MissingPatch {
+        /// Name of the style.
+        style: String,
+        /// Name of the patch.
+        patch: String,
     },
     /// A style names a patch set that the assets lack.
     #[error("style `{style}` names the patch set `{set}`, which is not among the patch sets: {known}")]
@@ -61,8 +79,16 @@ macro_rules! bundled {
 }
 
 /// The files that come with the crate.
-const STYLES: [(&str, &str); 5] =
-    bundled!["styles/european.ron", "styles/grid.ron", "styles/organic.ron", "styles/suburb.ron", "styles/village.ron"];
+const STYLES: [(&str, &str); 8] = bundled![
+    "styles/european.ron",
+    "styles/grid.ron",
+    "styles/hillside.ron",
+    "styles/industrial.ron",
+    "styles/organic.ron",
+    "styles/radial.ron",
+    "styles/suburb.ron",
+    "styles/village.ron",
+];
 const PATCH_SETS: [(&str, &str); 6] = bundled![
     "patches/common.ron",
     "patches/european.ron",
@@ -125,19 +151,27 @@ impl WorldAssets {
         }
         let kit = |(name, style): (&String, &Arc<Style>)| {
             let find = |set: &String| {
-                self.patch_sets.get(set).map(|s| &**s).ok_or_else(|| WorldError::MissingPatchSet {
+                self.patch_sets.get(set).cloned().ok_or_else(|| WorldError::MissingPatchSet {
                     style: name.clone(),
                     set: set.clone(),
                     known: names(&self.patch_sets),
                 })
             };
             let sets = style.patch_sets.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-            let patches = PatchDatabase::new(&sets, &style.allow, &style.exclude);
             let of = sets.iter().map(|s| s.patches.len()).sum();
-            if patches.patches.is_empty() && of > 0 {
+            let known = |patch: &String| sets.iter().any(|s| s.patches.iter().any(|p| p.name == *patch));
+            if let Some(count) = style.patches.iter().find(|c| !known(&c.patch)) {
+                return Err(WorldError::MissingPatch { style: name.clone(), patch: count.patch.clone() });
+            }
+            if let Some(fringe) = style.fringe.as_ref().filter(|f| !self.styles.contains_key(&f.style)) {
+                let (fringe, known) = (fringe.style.clone(), names(&self.styles));
+                return Err(WorldError::MissingFringe { style: name.clone(), fringe, known });
+            }
+            let kit = StyleKit::new(style.clone(), sets);
+            if kit.patches.patches.is_empty() && of > 0 {
                 return Err(WorldError::NoPatches { style: name.clone(), of });
             }
-            Ok((name.clone(), StyleKit { style: style.clone(), patches }))
+            Ok((name.clone(), kit))
         };
         self.styles.iter().map(kit).collect()
     }

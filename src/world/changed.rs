@@ -1,6 +1,6 @@
 //! What differs between two worlds that have all but their edits in common.
 
-use super::{Edits, RoadEdit, Settings, SettlementEdit, Shape, World};
+use super::{Edits, PatchEdit, RoadEdit, Settings, SettlementEdit, Shape, World};
 use crate::layer::{Cancel, LayerError};
 use crate::network::StreetClass;
 use crate::region::{Influence, Settlement, SettlementId, SizeClass, WayPoint};
@@ -34,8 +34,9 @@ impl<'a> Spreads<'a> {
         });
         let radius = pinned.fold(settings.settlements.largest_radius(), f64::max);
         let settlement = settings.settlements.spread(radius);
-        // A town, those that it touches, whose seams have ports from both, and those that these touch.
-        Self { settings, settlement, town: 6.0 * radius, radius }
+        // A town, those that it touches, whose seams have ports from both, those that these touch, and those whose styles mix
+        // into their cells.
+        Self { settings, settlement, town: 8.0 * radius, radius }
     }
 
     fn settlement(&self, edit: &SettlementEdit) -> Place {
@@ -84,6 +85,11 @@ impl<'a> Spreads<'a> {
     }
 }
 
+/// A patch changes the town that it stands in.
+fn patch(edit: &PatchEdit, radius: f64) -> Place {
+    Place { looks: None, changes: Bounds::of([edit.at]).grown(2.0 * radius) }
+}
+
 /// Which elements of two lists are not in both, in one order; every element where those in both have another order.
 fn differing<'a, T: PartialEq>(before: &'a [T], after: &'a [T]) -> [Vec<bool>; 2] {
     let first = before.iter().zip(after).take_while(|(a, b)| a == b).count();
@@ -126,6 +132,8 @@ pub fn changed_by_edits(settings: &Settings, before: &Edits, after: &Edits) -> V
     list(flags, both.map(|e| e.way_points.iter().map(|w| spreads.way_point(w)).collect()));
     let flags = differing(&before.roads, &after.roads);
     list(flags, both.map(|e| e.roads.iter().map(|r| spreads.road(r)).collect()));
+    let flags = differing(&before.patches, &after.patches);
+    list(flags, both.map(|e| e.patches.iter().map(|p| patch(p, spreads.radius)).collect()));
     // An edit that looks at what another changes may become possible or impossible.
     let (mut changed, mut rest): (Vec<_>, Vec<_>) = places.into_iter().partition(|(differs, _)| *differs);
     let mut next = 0;
@@ -178,6 +186,16 @@ impl Comparison<'_> {
         Ok(true)
     }
 
+    /// Whether the same patches are pinned in a town.
+    fn same_pins(&self, s: &Settlement) -> Result<bool, LayerError> {
+        let [a, b] = self.worlds.map(|w| &w.edits().patches);
+        if a == b {
+            return Ok(true);
+        }
+        let outline = self.worlds[0].settlements().outline(s)?;
+        Ok(a.iter().filter(|p| outline.contains(p.at)).eq(b.iter().filter(|p| outline.contains(p.at))))
+    }
+
     fn same_chunk(&mut self, bounds: Bounds) -> Result<bool, LayerError> {
         self.cancel.check()?;
         let [a, b] = self.worlds;
@@ -188,8 +206,9 @@ impl Comparison<'_> {
             return Ok(false);
         }
         for s in settlements {
-            // Parcels at a border see the streets of the town across, whose seams have ports of those that it touches.
-            if !self.same_town(&s, 2)? {
+            // Parcels at a border see the streets of the town across, whose seams have ports of those that it touches, and
+            // these follow the styles of those that they touch.
+            if !self.same_town(&s, 3)? || !self.same_pins(&s)? {
                 return Ok(false);
             }
         }

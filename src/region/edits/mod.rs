@@ -1,4 +1,4 @@
-//! The user's wishes for settlements and roads, as a RON file has them.
+//! The user's wishes for settlements, roads and patches, as a RON file has them.
 //!
 //! All of them are local. The lattices of settlements and the proximity rule are found as without edits; then settlements
 //! are taken away and set down, roads are led another way, kept or left out. Nothing beyond the reach that an edit states
@@ -44,6 +44,9 @@ const MOST_VIA: usize = 32;
 ///     roads: [
 ///         Keep(from: (1200, -300), to: (9000, 400)),
 ///     ],
+///     patches: [
+///         (patch: "oval", at: (1400, -150), heading_deg: 30),
+///     ],
 /// )"#)?;
 /// assert_eq!(edits.settlements.len(), 2);
 /// # Ok::<(), bevy_sprawl::layer::FileError>(())
@@ -60,6 +63,8 @@ pub struct Edits {
     pub way_points: Vec<WayPoint>,
     /// Roads kept, led and banned.
     pub roads: Vec<RoadEdit>,
+    /// Patches that stand in towns.
+    pub patches: Vec<PatchEdit>,
 }
 
 /// A wish for settlements. Those of a lattice that are too near a pinned or moved one are not there; none comes in their
@@ -186,6 +191,24 @@ pub enum RoadEdit {
     },
 }
 
+/// A patch that stands at a place in a town, whatever its style; the other streets of the main cell there grow around it. It
+/// changes that main cell only, and others of the town where the style counts patches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[serde(deny_unknown_fields)]
+pub struct PatchEdit {
+    /// Name of the patch; if sets of the town's styles have it, theirs.
+    pub patch: String,
+    /// Where the centre of its bounding circle stands, in a settlement and not on a main street.
+    pub at: DVec2,
+    /// Degrees from east to the x axis of its drawing, counter-clockwise: -360 to 360.
+    #[serde(default)]
+    pub heading_deg: f64,
+    /// Whether it is mirrored at its x axis, before it is turned.
+    #[serde(default)]
+    pub mirrored: bool,
+}
+
 /// One of the lists of [`Edits`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EditList {
@@ -197,6 +220,8 @@ pub enum EditList {
     WayPoints,
     /// `roads`
     Roads,
+    /// `patches`
+    Patches,
 }
 
 impl EditList {
@@ -207,6 +232,7 @@ impl EditList {
             Self::Influences => "influences",
             Self::WayPoints => "way_points",
             Self::Roads => "roads",
+            Self::Patches => "patches",
         }
     }
 }
@@ -255,7 +281,8 @@ impl Edits {
         all(EditList::Settlements, &self.settlements, SettlementEdit::check)?;
         all(EditList::Influences, &self.influences, Influence::check)?;
         all(EditList::WayPoints, &self.way_points, WayPoint::check)?;
-        all(EditList::Roads, &self.roads, RoadEdit::check)
+        all(EditList::Roads, &self.roads, RoadEdit::check)?;
+        all(EditList::Patches, &self.patches, PatchEdit::check)
     }
 }
 
@@ -351,6 +378,13 @@ impl RoadEdit {
             Self::Via { points: via, .. } => points("points", via, (1, MOST_VIA)),
             _ => Ok(()),
         }
+    }
+}
+
+impl PatchEdit {
+    fn check(&self) -> Result<(), String> {
+        place("at", self.at)?;
+        number("heading_deg", self.heading_deg, (-360.0, 360.0))
     }
 }
 

@@ -51,6 +51,9 @@ pub struct SettlementSettings {
     pub share: PerSize<f64>,
     /// Names of styles and how often each is chosen, as weights: at least one, not all 0.
     pub styles: PerSize<Vec<(String, f64)>>,
+    /// Name of the style of cities and towns on steep ground, and the mean slope (0 to 1) from which ground is steep. With
+    /// an empty name these are drawn like all others.
+    pub steep: (String, f64),
     /// How far a settlement strays from the middle of its cell: 0 is a chessboard, 0.9 the whole cell.
     pub jitter: f64,
     /// Greatest mean slope of a settlement's ground: 0.01 to 0.5.
@@ -75,10 +78,11 @@ impl Default for SettlementSettings {
             radius: PerSize { city: (1100.0, 1700.0), town: (450.0, 800.0), village: (140.0, 300.0) },
             share: PerSize { city: 1.0, town: 0.95, village: 0.9 },
             styles: PerSize {
-                city: styles(&[("grid", 1.0), ("european", 1.0)]),
-                town: styles(&[("european", 1.0), ("suburb", 1.0)]),
+                city: styles(&[("grid", 1.0), ("european", 1.0), ("radial", 0.8)]),
+                town: styles(&[("european", 0.7), ("organic", 0.7), ("suburb", 1.0), ("industrial", 0.3)]),
                 village: styles(&[("village", 1.0)]),
             },
+            steep: ("hillside".into(), 0.045),
             jitter: 0.7,
             max_slope: 0.08,
             max_height: 450.0,
@@ -113,6 +117,7 @@ impl SettlementSettings {
                 });
             }
         }
+        range("steep", self.steep.1, 0.0, 1.0)?;
         range("jitter", self.jitter, 0.0, 0.9)?;
         range("max_slope", self.max_slope, 0.01, 0.5)?;
         range("max_height", self.max_height, 0.0, 10_000.0)?;
@@ -123,7 +128,14 @@ impl SettlementSettings {
 
     /// Names of the styles that settlements may get.
     pub fn style_names(&self) -> impl Iterator<Item = &str> {
-        SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str())
+        let steep = Some(self.steep.0.as_str()).filter(|name| !name.is_empty());
+        SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str()).chain(steep)
+    }
+
+    /// The style that the slope of its ground gives a settlement, if it does.
+    pub(super) fn style_on_slope(&self, size: SizeClass, slope: f64) -> Option<String> {
+        let (name, least) = &self.steep;
+        (size != SizeClass::Village && !name.is_empty() && slope >= *least).then(|| name.clone())
     }
 
     /// A style for a settlement of a size, as the weights have it.

@@ -124,8 +124,9 @@ pub(super) fn promise(
     Some(shore - slope / max_slope - 0.6 * f64::from(inner) - 0.25 * f64::from(outer.max(2) - 2) - 0.5 * high)
 }
 
-/// Whether a settlement of a radius finds enough ground around a place, and none of it too steep.
-pub(super) fn suits(ground: &mut Scan<'_>, centre: DVec2, radius: f64, max_slope: f64) -> bool {
+/// The mean slope of the ground around a place, if a settlement of a radius finds enough ground there, and none of it too
+/// steep.
+pub(super) fn suits(ground: &mut Scan<'_>, centre: DVec2, radius: f64, max_slope: f64) -> Option<f64> {
     let rays = ((TAU * radius / RAY_SPACING) as usize).clamp(RAYS.0, RAYS.1);
     let (mut reach, mut climb, mut length) = (vec![0.0; rays], 0.0, 0.0);
     for (i, reach) in reach.iter_mut().enumerate() {
@@ -133,7 +134,7 @@ pub(super) fn suits(ground: &mut Scan<'_>, centre: DVec2, radius: f64, max_slope
         let course = Course { centre, way, from: 0.0, limit: radius, fine: JUDGED.0 };
         let ray = ray(ground, course, max_slope);
         if ray.reach < LEAST_REACH {
-            return false;
+            return None;
         }
         *reach = ray.reach;
         climb += ray.climb;
@@ -141,5 +142,5 @@ pub(super) fn suits(ground: &mut Scan<'_>, centre: DVec2, radius: f64, max_slope
     }
     smooth(&mut reach);
     let area = reach.iter().map(|r| r * r).sum::<f64>() / (radius * radius * rays as f64);
-    area >= LEAST_AREA && climb <= max_slope * length
+    (area >= LEAST_AREA && climb <= max_slope * length).then(|| climb / length)
 }

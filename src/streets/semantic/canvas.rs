@@ -25,6 +25,8 @@ pub(super) struct Node {
     pub open: bool,
     /// Number of streets that growth aims at here.
     pub target: usize,
+    /// Whether it belongs to a pinned patch, of which nothing may be removed.
+    pub pinned: bool,
 }
 
 /// A border edge of the cell.
@@ -73,6 +75,21 @@ impl Seg {
 pub(super) struct Near {
     /// The obstacles.
     pub segs: Vec<Seg>,
+    /// The dead ends among their ends.
+    pub tips: Vec<Tip>,
+}
+
+/// A dead end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tip {
+    /// The vertex.
+    pub v: VertexIx,
+    /// Where it lies.
+    pub at: DVec2,
+    /// Unit direction in which its street would go on.
+    pub lead: DVec2,
+    /// Whether the network may go on here.
+    pub open: bool,
 }
 
 impl Near {
@@ -129,7 +146,7 @@ impl Canvas {
         walls.iter().for_each(|w| free.stamp(w.a, w.b));
         let mut canvas = Self { graph: PlanarGraph::without_index(), nodes: Vec::new(), free, walls };
         for (i, port) in brief.ports.iter().enumerate() {
-            canvas.add_vertex(port.at, Node { port: Some(i), open: false, target: 1 });
+            canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
         canvas
     }
@@ -138,6 +155,11 @@ impl Canvas {
     pub fn add_vertex(&mut self, at: DVec2, node: Node) -> VertexIx {
         self.nodes.push(node);
         self.graph.add_vertex(at)
+    }
+
+    /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
+    pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
+        self.graph.add_edge(port, end, MadeBy::Growth);
     }
 
     /// Adds an edge.
@@ -150,9 +172,11 @@ impl Canvas {
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
         let edge = if self.graph.is_live(edge) { edge } else { self.graph.nearest_edge(p, 0.5, |_| false)?.0 };
+        let ends = self.graph.edge(edge);
+        let pinned = [ends.a, ends.b].into_iter().all(|v| self.nodes[v as usize].pinned);
         let v = self.graph.split_edge(edge, p);
         while self.nodes.len() < self.graph.vertex_count() {
-            self.nodes.push(Node { port: None, open: true, target: 0 });
+            self.nodes.push(Node { open: true, pinned, ..Node::default() });
         }
         Some(v)
     }
@@ -188,6 +212,7 @@ impl Canvas {
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
     pub fn gather(&self, of: Bounds, reach: f64, near: &mut Near) {
         near.segs.clear();
+        near.tips.clear();
         let bounds = of.grown(reach);
         for w in &self.walls {
             let (low, high) = (w.a.min(w.b), w.a.max(w.b));
@@ -200,6 +225,12 @@ impl Canvas {
             let (low, high) = (a.min(b), a.max(b));
             if bounds.overlaps(Bounds::new(low, high)) {
                 near.segs.push(Seg { a, b, low, high, edge, va: e.a, vb: e.b, floor: 0.0 });
+                for (v, at, from) in [(e.a, a, b), (e.b, b, a)] {
+                    if self.is_dead_end(v) {
+                        let open = self.nodes[v as usize].open;
+                        near.tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
+                    }
+                }
             }
         }
     }
@@ -230,7 +261,7 @@ impl Canvas {
                 Join::Free(_) => None,
             };
             let open = !matches!(join, Join::Free(false));
-            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { port: None, open, target: 0 }));
+            let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { open, ..Node::default() }));
             vertices.push(v);
         }
         for (a, b) in &p.edges {

@@ -1,11 +1,14 @@
 //! The default filler: patches chosen by their semantics (Teng 2017, section 3), with parametric growth as fall-back and
 //! a repair pass.
 
+mod bend;
 mod canvas;
 mod free;
 mod growth;
 mod output;
 mod patches;
+mod pattern;
+mod pinned;
 mod place;
 mod proposal;
 mod repair;
@@ -15,6 +18,8 @@ mod start;
 #[cfg(test)]
 mod tests;
 
+pub use pinned::find_place;
+
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::{Bounds, Stream, math};
@@ -22,6 +27,7 @@ use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
 use canvas::{Canvas, Near};
 use glam::DVec2;
+use pinned::Laid;
 use proposal::{Checker, Join, Limits, Proposal};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -32,12 +38,22 @@ pub struct SemanticPatches;
 
 impl CellFiller for SemanticPatches {
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
-        let mut work = Work::new(brief);
-        work.start();
-        cancel.check()?;
-        work.propagate(cancel)?;
-        work.repair(cancel)?;
-        Ok(work.finish())
+        let mut unfit = Vec::new();
+        loop {
+            let mut work = Work::new(brief);
+            work.lay_stubs();
+            work.lay_pinned(&mut unfit);
+            work.start();
+            cancel.check()?;
+            work.propagate(cancel)?;
+            work.repair(cancel)?;
+            let cut_off = work.cut_off();
+            if cut_off.is_empty() {
+                return Ok(CellStreets { unfit, ..work.finish() });
+            }
+            // Nothing may float: once more without the patches that could not be reached.
+            unfit.extend(cut_off);
+        }
     }
 }
 
@@ -55,6 +71,10 @@ struct Work<'a> {
     relaxed: Limits,
     /// Least cosine of the bend where a street goes on as another.
     straightness: f64,
+    /// Greatest angle by which a street may turn where another goes on from it, in radians.
+    most_turn: f64,
+    /// Greatest angle by which a patch is bent at an end, in radians.
+    bending: f64,
     /// Share of T junctions that growth goes on from, across the street that was met.
     crossings: f64,
     /// How much the field draws streets: 0 not at all, 1 wholly.
@@ -63,7 +83,11 @@ struct Work<'a> {
     stump: f64,
     /// How often each patch was used.
     used: Vec<u32>,
+    /// Pinned patches that stand.
+    laid: Vec<Laid>,
     near: Near,
+    /// Obstacles around one placement.
+    around: Near,
     proposal: Proposal,
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.
@@ -95,11 +119,11 @@ impl<'a> Work<'a> {
             min_round: 2.6 * local.length,
         };
         let cap = limits.gap + 6.0;
-        let (straightness, crossings, field_pull, stump) = match brief.style.main.field {
-            FieldKind::Grid => (0.98, 0.75, 1.0, 1.1),
-            FieldKind::Radial => (0.88, 0.4, 0.75, 0.9),
-            FieldKind::Contours => (0.82, 0.25, 0.75, 0.5),
-            FieldKind::Organic => (0.75, 0.2, 0.5, 0.8),
+        let (straightness, bending, crossings, field_pull, stump) = match brief.style.main.field {
+            FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1),
+            FieldKind::Radial => (0.88, 0.2, 0.4, 0.75, 0.9),
+            FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5),
+            FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8),
         };
         Self {
             brief,
@@ -110,11 +134,15 @@ impl<'a> Work<'a> {
             limits,
             relaxed,
             straightness,
+            most_turn: math::acos(straightness),
+            bending,
             crossings,
             field_pull,
             stump: stump * local.length,
             used: vec![0; brief.patches.patches.len()],
+            laid: Vec::new(),
             near: Near::default(),
+            around: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),
             slots: Vec::new(),
@@ -135,7 +163,9 @@ impl<'a> Work<'a> {
             }
             let Some(direction) = self.direction(v) else { continue };
             let at = self.canvas.graph.at(v);
-            let made = degree == 1 && self.attach_patch(v, at, direction);
+            let made = degree == 1
+                && (self.rng.chance(pattern::ONWARDS) && self.pattern_onwards(v, direction)
+                    || self.attach_patch(v, at, direction));
             if !made {
                 self.grow(v, at, direction);
             }

@@ -5,8 +5,8 @@ use super::canvas::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{Connectable, STRETCH};
-use crate::space::math::rotate;
+use crate::patch::{Connectable, LEAST_ARM, Patch, STRETCH};
+use crate::space::math::{rotate, turn};
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -17,8 +17,14 @@ const TARGETS: usize = 4;
 const LEAST_CORE: f64 = 0.3;
 
 /// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
+/// What a loose end more that a placement meets adds to its rating, as a share.
+const MET: f64 = 0.5;
+
 const CHECKED: usize = 24;
 const RATED: usize = 4;
+
+/// Placements of one patch that are checked exactly.
+const TRIED: usize = 3;
 
 impl Work<'_> {
     /// Weight of a patch in choices: less with every use, 0 once it was used as often as it may be or if it breaks the
@@ -59,22 +65,36 @@ impl Work<'_> {
         self.breadth_first(v, at) || self.depth_first(v, at, direction)
     }
 
+    /// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
+    fn meets_tip(&self, placement: &Placement, patch: &Patch, c: &Connectable, from: [VertexIx; 2]) -> bool {
+        let at = placement.map(patch.vertices[c.vertex]);
+        let out = (placement.map(DVec2::ZERO) - placement.map(c.inward)).normalize_or_zero();
+        let reach = self.brief.style.local.snap_radius + LEAST_ARM;
+        self.near.tips.iter().any(|tip| {
+            let to = tip.at - at;
+            let along = to.dot(out);
+            tip.open
+                && along.abs() < reach
+                && tip.lead.dot(out) < -0.9
+                && out.perp_dot(to).abs() < 3.0 + 0.15 * (along + LEAST_ARM).max(0.0)
+                && !from.contains(&tip.v)
+        })
+    }
+
     /// Looks for a patch that connects `v` with another loose end in sight.
     fn breadth_first(&mut self, v: VertexIx, at: DVec2) -> bool {
         let Some(onward) = self.canvas.onward(v) else { return false };
-        let longest = self.brief.patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
+        let patches = self.brief.patches;
+        let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
         let farthest = longest.fold(0.0, f64::max) * (1.0 + STRETCH);
         let mut targets: Vec<(f64, VertexIx)> = Vec::new();
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (w, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let d = p.distance(at);
-                if w != v && d < farthest && self.canvas.is_dead_end(w) && self.canvas.nodes[w as usize].open {
-                    targets.push((d, w));
-                }
+        for tip in self.near.tips.iter().filter(|t| t.open && t.v != v) {
+            let d = tip.at.distance(at);
+            if d < farthest {
+                targets.push((d, tip.v));
             }
         }
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        targets.dedup();
         targets.retain(|(_, w)| {
             let p = self.canvas.graph.at(*w);
             self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
@@ -88,28 +108,31 @@ impl Work<'_> {
             if onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness {
                 self.stretched(v, at, w, target, &mut found);
             }
-            for (patch, pair) in self.brief.patches.pairs_near(d, STRETCH * d) {
-                let weight = self.weight(patch);
+            let wanted = [Some(turn(line, onward)), Some(turn(line, -beyond))];
+            for entry in patches.pair_entries_near(d, STRETCH * d) {
+                let weight = self.weight(entry.patch);
                 if weight <= 0.0 {
                     continue;
                 }
-                let p = &self.brief.patches.patches[patch];
-                let pair = p.pairs[pair];
+                let p = &patches.patches[entry.patch];
+                let pair = p.pairs[entry.pair];
                 // Equation 1 of the paper, times what makes the choice vary.
                 let rating = (1.0 - (pair.distance - d).abs() / d) * weight * self.rng.range(0.7, 1.3);
                 let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
-                for (a, b) in [(a, b), (b, a)] {
+                for (a, b, is) in [(a, b, [entry.leaves, entry.arrives]), (b, a, [entry.arrives, entry.leaves])] {
                     let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
-                    for mirrored in [false, true] {
-                        let placement = Placement::new((patch, a.vertex, pa), pb - pa, mirrored, at, target - at);
-                        let turn = |i: DVec2| placement.map(i) - placement.map(DVec2::ZERO);
+                    for (mirrored, is) in [(false, is), (true, is.map(|angle| -angle))] {
                         // The street must go on at both ends without a sharp bend.
-                        let bends = turn(a.inward)
-                            .normalize_or_zero()
-                            .dot(onward)
-                            .min(turn(b.inward).normalize_or_zero().dot(beyond));
-                        if bends > self.straightness && self.roughly_fits(&placement, at, Some(target)) {
-                            found.push((rating * (0.5 + 0.5 * bends), placement, b.vertex, w));
+                        let Some((slopes, bends)) = self.bend(is, wanted) else { continue };
+                        let start = (entry.patch, a.vertex, pa);
+                        let placement = Placement::new(start, pb - pa, mirrored, at, target - at);
+                        let placement = placement.bent(at, target, slopes);
+                        if self.roughly_fits(&placement, at, Some(target)) {
+                            let others = p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex);
+                            let met = others.filter(|c| self.meets_tip(&placement, p, c, [v, w])).count() as f64;
+                            let kept = if placement.is_bent() { 0.85 } else { 1.0 };
+                            let rating = rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met);
+                            found.push((rating, placement, b.vertex, w));
                         }
                     }
                 }
@@ -117,9 +140,7 @@ impl Work<'_> {
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, placement, end, w) in found.into_iter().take(CHECKED) {
-            if self.propose_patch(&placement, Join::At(v), Some((end, w)))
-                && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32))
-            {
+            if self.build_patch(&placement, &[(placement.start, v), (end, w)]) {
                 self.after_patch(placement.patch);
                 return true;
             }
@@ -141,13 +162,11 @@ impl Work<'_> {
         let d = at.distance(target);
         let line = (target - at) / d;
         let mut tips: Vec<(f64, f64)> = Vec::new();
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (u, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let place = (line.dot(p - at), line.perp_dot(p - at));
-                let faces = self.canvas.onward(u).is_some_and(|o| line.perp_dot(o) * place.1 < -0.9 * place.1.abs());
-                if u != v && u != w && place.0 > 0.0 && place.0 < d && faces && self.canvas.is_dead_end(u) {
-                    tips.push(place);
-                }
+        for tip in self.near.tips.iter().filter(|t| t.v != v && t.v != w) {
+            let place = (line.dot(tip.at - at), line.perp_dot(tip.at - at));
+            let faces = line.perp_dot(tip.lead) * place.1 < -0.9 * place.1.abs();
+            if place.0 > 0.0 && place.0 < d && faces {
+                tips.push(place);
             }
         }
         let shortest = LEAST_CORE * d;
@@ -207,89 +226,85 @@ impl Work<'_> {
 
     /// Looks for a patch that goes on from `v` in the given direction.
     fn depth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2) -> bool {
-        let variation = self.brief.style.local.angle_deviation_deg.to_radians();
-        let mut found: Vec<(f64, Placement)> = Vec::new();
+        let patches = self.brief.patches;
+        let variation = 0.5 * self.brief.style.local.angle_deviation_deg.to_radians();
+        let ways = [0.0, -0.5, 0.5, -1.0, 1.0].map(|share| rotate(direction, share * variation));
+        let mut order: Vec<(f64, usize)> = Vec::new();
         for patch in 0..self.used.len() {
             let weight = self.weight(patch);
-            if weight <= 0.0 {
-                continue;
-            }
-            let p = &self.brief.patches.patches[patch];
-            for c in &p.connectables {
-                let start_at = p.vertices[c.vertex];
-                for mirrored in [false, true] {
-                    let to = rotate(direction, self.rng.signed() * variation * 0.5);
-                    let placement = Placement::new((patch, c.vertex, start_at), c.inward, mirrored, at, to);
-                    if self.roughly_fits(&placement, at, None) {
-                        found.push((weight * self.rng.range(0.5, 1.5), placement));
-                    }
-                }
+            if weight > 0.0 {
+                order.push((weight * self.rng.range(0.5, 1.5), patch));
             }
         }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut best: Option<(f64, Proposal, usize)> = None;
-        let mut rated = 0;
-        for (key, placement) in found.into_iter().take(CHECKED) {
-            if !self.propose_patch(&placement, Join::At(v), None)
-                || !self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits)
-            {
-                continue;
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, usize)> = None;
+        let mut found = Proposal::default();
+        let (mut checked, mut rated) = (0, 0);
+        for (key, patch) in order {
+            let p = &patches.patches[patch];
+            let n = 2 * p.connectables.len();
+            let first = self.rng.index(n * ways.len());
+            let mut tried = 0;
+            for k in first..first + n {
+                let c = &p.connectables[k % n / 2];
+                let start = (patch, c.vertex, p.vertices[c.vertex]);
+                let placement = Placement::new(start, c.inward, k % 2 == 1, at, ways[k % ways.len()]);
+                if !self.roughly_fits(&placement, at, None) {
+                    continue;
+                }
+                (checked, tried) = (checked + 1, tried + 1);
+                if let Some(rating) = self.rate_patch(&placement, &[(c.vertex, v)]) {
+                    rated += 1;
+                    if best.is_none_or(|b| rating * key > b.0) {
+                        best = Some((rating * key, patch));
+                        std::mem::swap(&mut found, &mut self.proposal);
+                    }
+                    break;
+                }
+                if checked == CHECKED || tried == TRIED {
+                    break;
+                }
             }
-            let rating = self.rate() * key;
-            if best.as_ref().is_none_or(|b| rating > b.0) {
-                best = Some((rating, self.proposal.clone(), placement.patch));
-            }
-            rated += 1;
-            if rated == RATED {
+            if checked == CHECKED || rated == RATED {
                 break;
             }
         }
-        let Some((_, proposal, patch)) = best else { return false };
-        self.proposal = proposal;
+        let Some((_, patch)) = best else { return false };
+        self.proposal = found;
         self.canvas.build(&self.proposal, MadeBy::Patch(patch as u32), &mut self.built);
         self.after_patch(patch);
         true
     }
 
     /// Rating of the proposal by the three heuristics of Teng 2017, section 3.3, and for the streets that it connects.
-    fn rate(&self) -> f64 {
+    pub(super) fn rate(&self) -> f64 {
         let nearby = 1.5 * self.brief.style.local.snap_radius.max(self.limits.gap);
         let p = &self.proposal;
         let mut rating: f64 = 1.0;
         for (i, at) in p.points.iter().enumerate() {
-            let ends = p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
+            let ends = || p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
             match p.joins[i] {
                 Join::Free(true) => {
                     // A connectable vertex that faces the end of a cul-de-sac leads nowhere.
-                    let blocked = self.near.segs.iter().any(|s| {
-                        [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
-                            !s.is_wall()
-                                && !self.canvas.nodes[v as usize].open
-                                && self.canvas.is_dead_end(v)
-                                && q.distance(*at) < nearby
-                        })
-                    });
+                    let blocked = self.near.tips.iter().any(|t| !t.open && t.at.distance(*at) < nearby);
                     rating -= if blocked { 0.2 } else { 0.0 };
                 }
-                Join::Free(false) if ends => {
+                Join::Free(false) if ends() => {
                     // A cul-de-sac fills a small place, and hinders in a wide one.
                     let fills = self.near.segs.iter().any(|s| nearest(*at, s.a, s.b).distance(*at) < nearby);
                     rating += if fills { 0.1 } else { -0.2 };
                 }
-                Join::At(_) | Join::On(_) => rating += 0.1,
+                Join::At(_) => rating += 0.3,
+                Join::On(_) => rating += 0.1,
                 Join::Free(false) => {}
             }
         }
         for (a, b) in &p.edges {
-            let hinders = self.near.segs.iter().any(|s| {
-                [(s.va, s.a), (s.vb, s.b)].into_iter().any(|(v, q)| {
-                    !s.is_wall()
-                        && self.canvas.is_dead_end(v)
-                        && self.canvas.nodes[v as usize].open
-                        && !p.joins.contains(&Join::At(v))
-                        && nearest(q, p.points[*a], p.points[*b]).distance(q) < nearby
-                })
-            });
+            let (a, b) = (p.points[*a], p.points[*b]);
+            let hinders =
+                self.near.tips.iter().any(|t| {
+                    t.open && nearest(t.at, a, b).distance(t.at) < nearby && !p.joins.contains(&Join::At(t.v))
+                });
             rating -= if hinders { 0.2 } else { 0.0 };
         }
         rating.max(0.05)

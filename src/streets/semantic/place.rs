@@ -2,17 +2,16 @@
 //! section 3.
 
 use super::Work;
-use super::canvas::{NONE, nearest};
-use super::proposal::{Join, Limits, Proposal};
+use super::bend::Bend;
+use super::canvas::{NONE, Seg, nearest};
+use super::proposal::{Join, Limits, Proposal, WEDGE};
 use crate::network::VertexIx;
-use crate::patch::{LEAST_ARM, STREET_FLOOR};
-use crate::space::{cut_line, segment_crossing};
+use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
+use crate::space::{Bounds, cut_line, segment_crossing};
+use crate::streets::MadeBy;
 use glam::DVec2;
 
-/// Distance over which a patch is not held against the coarse grid around the vertices that it is attached to.
-const GRID_BLIND: f64 = 34.0;
-
-/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, then moved.
+/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     /// Index into the database.
@@ -22,6 +21,7 @@ pub(super) struct Placement {
     x_axis: DVec2,
     y_axis: DVec2,
     offset: DVec2,
+    bend: Option<Bend>,
 }
 
 impl Placement {
@@ -38,32 +38,102 @@ impl Placement {
         let from = if mirrored { DVec2::new(from.x, -from.y) } else { from };
         let x_axis = DVec2::new(from.dot(to), from.perp_dot(to)) / from.length_squared();
         let y_axis = if mirrored { -x_axis.perp() } else { x_axis.perp() };
-        Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y }
+        let offset = at - x_axis * start_at.x - y_axis * start_at.y;
+        Self { patch, start, x_axis, y_axis, offset, bend: None }
+    }
+
+    /// The placement that puts `start`, at `start_at` in the patch, at `at`, turns and scales the patch vector `from` into
+    /// `to`, and scales what lies square to `from` by `across`; negative mirrors the patch at that vector.
+    pub fn drawn_out(
+        (patch, start, start_at): (usize, usize, DVec2),
+        from: DVec2,
+        at: DVec2,
+        to: DVec2,
+        across: f64,
+    ) -> Self {
+        let along = from / from.length_squared();
+        let (u, v) = (to, to.normalize_or_zero().perp() * (across / from.length()));
+        let (x_axis, y_axis) = (u * along.x - v * from.y, u * along.y + v * from.x);
+        Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y, bend: None }
+    }
+
+    /// The same, bent so that the street that it has between `from` and `to` changes its slopes there by `slopes`.
+    pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
+        let bend = if slopes == [0.0; 2] { None } else { Some(Bend::new(from, to, slopes)) };
+        Self { bend, ..self }
+    }
+
+    /// Whether it is more than turned, scaled and moved.
+    pub fn is_bent(&self) -> bool {
+        self.bend.is_some()
+            || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
     }
 
     /// Where a patch position comes to lie.
     pub fn map(&self, p: DVec2) -> DVec2 {
-        self.offset + self.x_axis * p.x + self.y_axis * p.y
+        let p = self.offset + self.x_axis * p.x + self.y_axis * p.y;
+        self.bend.map_or(p, |b| p + b.shift(p))
     }
 }
 
 impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        let blind = GRID_BLIND * GRID_BLIND;
         // A little less than the gap: near the vertices it joins the distance along the network decides.
         let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
         self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
             !self.canvas.free.surely_nearer(p, need)
-                || p.distance_squared(start) < blind
-                || end.is_some_and(|e| p.distance_squared(e) < blind)
+                || !self
+                    .canvas
+                    .free
+                    .surely_nearer(p, WEDGE * end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e))))
         })
     }
 
-    /// Makes the placement the proposal, with its ends settled. `start` says how the start vertex meets what is there;
-    /// `end` is the vertex of the patch that falls on a vertex of the graph, when there is one.
-    pub(super) fn propose_patch(&mut self, placement: &Placement, start: Join, end: Option<(usize, VertexIx)>) -> bool {
+    /// Narrows the obstacles down to those that matter to a placement; [`unfocus`](Self::unfocus) takes that back.
+    fn focus(&mut self, placement: &Placement) {
+        let patch = &self.brief.patches.patches[placement.patch];
+        // Arms are led on by this much at most, and keep their gap there.
+        let gap = self.limits.gap.max(self.limits.wall_gap);
+        let reach = gap.max(self.brief.style.local.snap_radius) + gap + 5.0;
+        let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
+        std::mem::swap(&mut self.near, &mut self.around);
+        self.near.segs.clear();
+        let matters = |s: &&Seg| bounds.overlaps(Bounds::new(s.low, s.high));
+        self.near.segs.extend(self.around.segs.iter().filter(matters));
+        self.near.tips.clear();
+        self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
+    }
+
+    /// Goes back to all the obstacles that were gathered.
+    fn unfocus(&mut self) {
+        std::mem::swap(&mut self.near, &mut self.around);
+    }
+
+    /// Makes the placement the proposal, as [`propose_patch`](Self::propose_patch) does, if it may be built; its rating.
+    pub(super) fn rate_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> Option<f64> {
+        self.focus(placement);
+        let fits = self.propose_patch(placement, anchors)
+            && self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
+        let rating = fits.then(|| self.rate());
+        self.unfocus();
+        rating
+    }
+
+    /// Builds the placement if it fits.
+    pub(super) fn build_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.focus(placement);
+        let made_by = MadeBy::Patch(placement.patch as u32);
+        let fits = self.propose_patch(placement, anchors) && self.build_if_fits(&self.limits.clone(), made_by);
+        self.unfocus();
+        fits
+    }
+
+    /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
+    /// vertices of the graph.
+    pub(super) fn propose_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        let anchor = |v: usize| anchors.iter().find(|a| a.0 == v).map(|a| a.1);
         let patch = &self.brief.patches.patches[placement.patch];
         let shape = &self.brief.patches.facts(placement.patch).shape;
         let mut p = std::mem::take(&mut self.proposal);
@@ -74,19 +144,15 @@ impl Work<'_> {
         let mut slot = |p: &mut Proposal, v: usize| {
             if slots[v] == NONE {
                 slots[v] = p.points.len() as u32;
-                let (at, join) = match (v == placement.start, end) {
-                    (true, _) => match start {
-                        Join::At(w) => (self.canvas.graph.at(w), start),
-                        _ => (placement.map(patch.vertices[v]), start),
-                    },
-                    (_, Some((e, target))) if e == v => (self.canvas.graph.at(target), Join::At(target)),
-                    _ => (placement.map(patch.vertices[v]), Join::Free(false)),
+                let (at, join) = match anchor(v) {
+                    Some(target) => (self.canvas.graph.at(target), Join::At(target)),
+                    None => (placement.map(patch.vertices[v]), Join::Free(false)),
                 };
                 p.push(at, join);
             }
             slots[v] as usize
         };
-        let settled = |c: usize| c != placement.start && end.is_none_or(|(e, _)| e != c);
+        let settled = |c: usize| anchor(c).is_none();
         for e in &shape.core {
             let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
             p.edges.push(edge);
@@ -107,7 +173,7 @@ impl Work<'_> {
                 continue;
             }
             let line: Vec<DVec2> = arm.iter().map(|v| placement.map(patch.vertices[*v])).collect();
-            let leaving = if let (true, Join::At(v)) = (inner == placement.start, start) { v } else { NONE };
+            let leaving = anchor(inner).unwrap_or(NONE);
             let Some((line, join)) = self.settle(&line, leaving, &self.limits) else {
                 fits = false;
                 break;
@@ -121,6 +187,7 @@ impl Work<'_> {
         }
         (self.proposal, self.slots) = (p, slots);
         fits && self.ends_keep_apart()
+            && (!placement.is_bent() || keeps_rules(&self.proposal.points, &self.proposal.edges, 1.0))
     }
 
     /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
@@ -179,20 +246,16 @@ impl Work<'_> {
     ) -> Option<(VertexIx, DVec2)> {
         let snap = self.brief.style.local.snap_radius;
         let mut best: Option<(VertexIx, DVec2, f64)> = None;
-        for s in self.near.segs.iter().filter(|s| !s.is_wall()) {
-            for (v, p) in [(s.va, s.a), (s.vb, s.b)] {
-                let along = (p - from).dot(direction);
-                if v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
-                    continue;
-                }
-                let off = direction.perp_dot(p - from).abs();
-                let straight = along >= self.straightness * from.distance(p);
-                if straight && best.is_none_or(|b| off < b.2) && self.canvas.is_dead_end(v) {
-                    let faces = self.canvas.onward(v).is_some_and(|o| o.dot(from - p) >= 0.7 * from.distance(p));
-                    if faces {
-                        best = Some((v, p, off));
-                    }
-                }
+        for tip in &self.near.tips {
+            let (p, off) = (tip.at, direction.perp_dot(tip.at - from).abs());
+            let along = (p - from).dot(direction);
+            if tip.v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                continue;
+            }
+            let far = from.distance(p);
+            let faces = tip.lead.dot(from - p) >= 0.7 * far;
+            if along >= self.straightness * far && faces && best.is_none_or(|b| off < b.2) {
+                best = Some((tip.v, p, off));
             }
         }
         best.map(|(v, p, _)| (v, p))

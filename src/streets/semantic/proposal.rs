@@ -16,7 +16,7 @@ const DEAD_END_FLOOR: f64 = 13.0;
 const TIP_GAP: f64 = 19.0;
 
 /// Streets may be near each other where they are near along the network as well: at this share of that distance.
-const WEDGE: f64 = 0.5;
+pub(super) const WEDGE: f64 = 0.5;
 
 /// How a point of a proposal meets what is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,8 +72,26 @@ impl Proposal {
         }
     }
 
-    fn degree(&self, point: usize) -> usize {
-        self.edges.iter().filter(|(a, b)| *a == point || *b == point).count()
+    /// Length of the shortest way from one point to another along its edges.
+    fn way(&self, from: usize, to: usize) -> f64 {
+        let mut far = vec![f64::INFINITY; self.points.len()];
+        far[from] = 0.0;
+        // A street has few edges, so that every round of this settles many points.
+        for _ in 0..self.points.len() {
+            let mut changed = false;
+            for &(a, b) in &self.edges {
+                let length = self.points[a].distance(self.points[b]);
+                for (a, b) in [(a, b), (b, a)] {
+                    if far[a] + length < far[b] {
+                        (far[b], changed) = (far[a] + length, true);
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        far[to]
     }
 
     fn joined(&self, point: usize) -> bool {
@@ -151,7 +169,8 @@ impl Joint {
         if self.edge == s.edge {
             return self.at.distance(r);
         }
-        self.reached.iter().find(|x| x.edge == s.edge).map_or(f64::INFINITY, |x| {
+        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
+            let x = &self.reached[x];
             let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
             (da + s.a.distance(r)).min(db + s.b.distance(r))
         })
@@ -164,7 +183,12 @@ pub(super) struct Checker {
     joints: Vec<Joint>,
     spare: Vec<Joint>,
     roots: Vec<u32>,
+    degrees: Vec<u8>,
     frontier: Vec<(VertexIx, f64)>,
+    /// For each edge and vertex the search that saw it last, and its place there.
+    edges_seen: Vec<(u32, u32)>,
+    vertices_seen: Vec<(u32, u32)>,
+    search: u32,
 }
 
 impl Checker {
@@ -180,6 +204,12 @@ impl Checker {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
+        self.degrees.clear();
+        self.degrees.resize(p.points.len(), 0);
+        for (a, b) in &p.edges {
+            self.degrees[*a] = self.degrees[*a].saturating_add(1);
+            self.degrees[*b] = self.degrees[*b].saturating_add(1);
+        }
         let joints = (0..p.points.len()).filter(|i| p.joined(*i)).count();
         let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
         let reach = if joints > 1 { gaps.max(limits.min_round) } else { gaps };
@@ -187,7 +217,7 @@ impl Checker {
             if !p.joined(point) {
                 continue;
             }
-            if self.joints.len() >= 32 || p.degree(point) != 1 {
+            if self.joints.len() >= 32 || self.degrees[point] != 1 {
                 return false;
             }
             let mut joint = self.spare.pop().unwrap_or_default();
@@ -211,7 +241,10 @@ impl Checker {
             self.joints[..i].iter().all(|k| {
                 let apart = j.at.distance(k.at);
                 let same = (j.vertex != NONE && j.vertex == k.vertex) || apart < limits.min_piece;
-                !same && apart + j.way_to(k, canvas) >= limits.min_round
+                !same && {
+                    let way = j.way_to(k, canvas);
+                    apart + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
+                }
             })
         })
     }
@@ -231,9 +264,11 @@ impl Checker {
             let next = towards(edge, at);
             length += p.points[at].distance(p.points[next]);
             at = next;
+            if self.degrees[at] != 2 {
+                break;
+            }
             let mut on = p.edges.iter().enumerate().filter(|(_, (a, b))| *a == at || *b == at).map(|(i, _)| i);
-            let (one, two, three) = (on.next(), on.next(), on.next());
-            let (Some(one), Some(two), None) = (one, two, three) else { break };
+            let (Some(one), Some(two)) = (on.next(), on.next()) else { break };
             edge = if one == edge { two } else { one };
             if self.roots[edge] & bit != 0 {
                 break;
@@ -302,12 +337,23 @@ impl Checker {
                 }
             }
         }
+        self.search = self.search.wrapping_add(1);
+        let search = self.search;
+        if self.vertices_seen.len() < g.vertex_count() {
+            self.vertices_seen.resize(g.vertex_count(), (0, 0));
+        }
+        for (i, (v, _)) in self.frontier.iter().enumerate() {
+            self.vertices_seen[*v as usize] = (search, i as u32);
+        }
         // Shortest paths over the few vertices in reach: each is settled when it is the nearest left.
         let mut settled = 0;
         while settled < self.frontier.len() {
             let rest = &self.frontier[settled..];
             let Some(least) = (0..rest.len()).min_by(|a, b| rest[*a].1.total_cmp(&rest[*b].1)) else { break };
             self.frontier.swap(settled, settled + least);
+            for i in [settled, settled + least] {
+                self.vertices_seen[self.frontier[i].0 as usize].1 = i as u32;
+            }
             let (v, d) = self.frontier[settled];
             settled += 1;
             if canvas.nodes[v as usize].port.is_some() {
@@ -316,20 +362,33 @@ impl Checker {
             for &edge in g.edges_at(v) {
                 let w = g.edge(edge).other(v);
                 let far = d + g.at(v).distance(g.at(w));
-                match joint.reached.iter_mut().find(|x| x.edge == edge) {
+                if self.edges_seen.len() <= edge as usize {
+                    self.edges_seen.resize(edge as usize + 1, (0, 0));
+                }
+                let seen = &mut self.edges_seen[edge as usize];
+                let known = if seen.0 == search { joint.reached.get_mut(seen.1 as usize) } else { None };
+                match known {
                     Some(x) if x.va == v => x.from_a = x.from_a.min(d),
                     Some(x) => x.from_b = x.from_b.min(d),
-                    None => joint.reached.push(Reached { edge, va: v, from_a: d, from_b: far }),
+                    None => {
+                        *seen = (search, joint.reached.len() as u32);
+                        joint.reached.push(Reached { edge, va: v, from_a: d, from_b: far });
+                    }
                 }
                 if far > reach {
                     continue;
                 }
-                match self.frontier.iter_mut().find(|x| x.0 == w) {
-                    Some(x) => x.1 = x.1.min(far),
-                    None => self.frontier.push((w, far)),
+                let seen = &mut self.vertices_seen[w as usize];
+                if seen.0 == search {
+                    let known = &mut self.frontier[seen.1 as usize].1;
+                    *known = known.min(far);
+                } else {
+                    *seen = (search, self.frontier.len() as u32);
+                    self.frontier.push((w, far));
                 }
             }
         }
+        joint.reached.sort_unstable_by_key(|x| x.edge);
     }
 
     fn edge_fits(&self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
@@ -337,7 +396,7 @@ impl Checker {
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
         let (low, high) = (a.min(b) - widest, a.max(b) + widest);
-        let open = |point: usize| !p.joined(point) && p.degree(point) == 1;
+        let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         'obstacles: for s in &near.segs {
             if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
@@ -364,7 +423,8 @@ impl Checker {
                 }
                 if joint.is_port && s.is_wall() && nearest(joint.at, s.a, s.b).distance(joint.at) < 0.01 {
                     // The main street that the port lies on.
-                    if loose_end_near(if joint.point == i { b } else { a }, s) {
+                    let (far, loose) = if joint.point == i { (b, open_b) } else { (a, open_a) };
+                    if loose && loose_end_near(far, s) {
                         return false;
                     }
                     continue 'obstacles;

@@ -28,6 +28,7 @@ struct Mend {
 impl Work<'_> {
     /// Mends the network. Repair beats deletion: only stumps are removed.
     pub(super) fn repair(&mut self, cancel: &Cancel) -> Result<(), LayerError> {
+        self.connect_cut_off();
         for round in 0..2 {
             self.connect_dead_ends();
             self.remove_stumps();
@@ -36,6 +37,7 @@ impl Work<'_> {
                 break;
             }
         }
+        self.connect_cut_off();
         self.connect_dead_ends();
         self.remove_stumps();
         self.lengthen_stubs();
@@ -95,7 +97,53 @@ impl Work<'_> {
                 }
             }
         }
-        self.build_best(mends, &limits)
+        self.build_best(mends, &limits, TRIES)
+    }
+
+    /// Builds the best street from the component `part` of the graph to any other, from an end or from the side of one of
+    /// its streets.
+    pub(super) fn connect_part(&mut self, components: &[Option<u32>], part: Option<u32>, limits: Limits) -> bool {
+        let g = &self.canvas.graph;
+        let of_part: Vec<EdgeIx> =
+            g.edges().filter(|(_, e)| components[e.a as usize] == part).map(|(i, _)| i).collect();
+        let bounds = Bounds::of(of_part.iter().flat_map(|e| <[DVec2; 2]>::from(g.segment(*e))));
+        let reach = 4.0 * self.brief.style.local.length;
+        self.canvas.gather(bounds, reach, &mut self.near);
+        let elsewhere = |join: Join| match join {
+            Join::At(v) => components.get(v as usize).is_some_and(|c| *c != part),
+            Join::On(e) => components.get(g.edge(e).a as usize).is_some_and(|c| *c != part),
+            Join::Free(_) => false,
+        };
+        let mut mends: Vec<Mend> = Vec::new();
+        let mut add = |from: DVec2, start: DVec2, direction: DVec2, first: Join, leaving: VertexIx, factor: f64| {
+            if let Some((end, last, distance)) = self.landing(start, direction, reach, leaving)
+                && elsewhere(last)
+            {
+                mends.push(Mend { cost: distance * factor, line: vec![from, end], first, last });
+            }
+        };
+        for &e in &of_part {
+            let edge = g.edge(e);
+            for (v, other) in [(edge.a, edge.b), (edge.b, edge.a)] {
+                if g.degree(v) == 1 && self.canvas.nodes[v as usize].open {
+                    let (at, onward) = (g.at(v), (g.at(v) - g.at(other)).normalize_or_zero());
+                    for step in -8i32..=8 {
+                        let angle = f64::from(step) * 0.17;
+                        add(at, at, rotate(onward, angle), Join::At(v), v, 1.0 + 0.5 * angle.abs());
+                    }
+                }
+            }
+            let (a, b) = g.segment(e);
+            let side = (b - a).perp().normalize_or_zero();
+            let parts = (a.distance(b) / 14.0).ceil().max(2.0) as usize;
+            for k in 1..parts {
+                let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
+                for (out, angle) in [side, -side].into_iter().flat_map(|s| [0.0, 0.4, -0.4].map(|a| (s, a))) {
+                    add(from, from + out * 0.5, rotate(out, angle), Join::On(e), NONE, 1.5 + 0.5 * f64::abs(angle));
+                }
+            }
+        }
+        self.build_best(mends, &limits, 60)
     }
 
     /// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
@@ -123,10 +171,10 @@ impl Work<'_> {
         1.0 + 2.5 * self.field_pull * off.abs()
     }
 
-    /// Builds the cheapest of the given streets that keeps to `limits`.
-    fn build_best(&mut self, mut mends: Vec<Mend>, limits: &Limits) -> bool {
+    /// Builds the cheapest of the given streets that keeps to `limits`; so many are tried.
+    fn build_best(&mut self, mut mends: Vec<Mend>, limits: &Limits, tries: usize) -> bool {
         mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        for m in mends.into_iter().take(TRIES) {
+        for m in mends.into_iter().take(tries) {
             self.proposal.line(&m.line, m.first, m.last);
             if self.build_if_fits(limits, MadeBy::Repair) {
                 return true;
@@ -137,12 +185,26 @@ impl Work<'_> {
 
     fn remove_stumps(&mut self) {
         loop {
-            let stump = self.dead_ends().into_iter().find(|(length, _, at_port)| *length < self.stump && !at_port);
+            let stump = self
+                .dead_ends()
+                .into_iter()
+                .find(|(length, v, at_port)| *length < self.stump && !at_port && !self.is_pinned(*v));
             let Some((_, v, _)) = stump else { break };
             if self.canvas.remove_dead_end(v).is_none() {
                 break;
             }
         }
+    }
+
+    /// Whether the street that ends at the dead end `v` is part of a pinned patch.
+    fn is_pinned(&self, v: VertexIx) -> bool {
+        let g = &self.canvas.graph;
+        let mut pinned = false;
+        self.canvas.follow(v, g.edges_at(v)[0], |e| {
+            let edge = g.edge(e);
+            pinned |= self.canvas.nodes[edge.a as usize].pinned && self.canvas.nodes[edge.b as usize].pinned;
+        });
+        pinned
     }
 
     /// Makes cul-de-sacs of port stubs that still lead nowhere.
@@ -210,7 +272,7 @@ impl Work<'_> {
                 }
             }
         }
-        self.build_best(mends, &limits)
+        self.build_best(mends, &limits, TRIES)
     }
 
     /// Faces between local streets and the border, each with the local edge of every step of its walk.

@@ -4,7 +4,7 @@ use crate::network::{JunctionId, StreetClass};
 use crate::patch::{PatchDatabase, PatchSet};
 use crate::seam::{CellPort, STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
-use crate::streets::CellBrief;
+use crate::streets::{CellBrief, PinnedPatch};
 use crate::town::{CellId, DirectionField, FieldKind, Style};
 use glam::DVec2;
 
@@ -15,6 +15,7 @@ pub(super) struct Sample<'a> {
     pub half: Vec<Option<f64>>,
     pub ports: Vec<CellPort>,
     pub field: DirectionField,
+    pub pinned: Vec<PinnedPatch>,
     pub kit: &'a Kit,
 }
 
@@ -58,7 +59,7 @@ impl<'a> Sample<'a> {
             style: &self.kit.style,
             patches: &self.kit.patches,
             weights: &self.kit.weights,
-            pinned: &[],
+            pinned: &self.pinned,
         }
     }
 
@@ -97,7 +98,7 @@ impl<'a> Sample<'a> {
             }
         }
         let field = DirectionField::uniform(heading(&border) + s.signed() * 0.03);
-        Self { seed, border, half, ports, field, kit }
+        Self { seed, border, half, ports, field, pinned: Vec::new(), kit }
     }
 }
 

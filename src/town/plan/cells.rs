@@ -6,8 +6,8 @@ use super::pole::pole;
 use super::sketch::Sketch;
 use crate::network::{Face, Junction, JunctionId, Street, StreetId, VertexIx};
 use crate::region::SettlementId;
-use crate::space::{QUANTUM, line_length, point_at, stable_hash};
-use crate::town::{CellId, CellSide, MainCell, MainStreet};
+use crate::space::{QUANTUM, line_length, point_at, point_in_polygon, stable_hash};
+use crate::town::{CellId, CellSide, CellUse, MainCell, MainStreet};
 use glam::DVec2;
 
 /// Junctions, main streets and main cells.
@@ -79,7 +79,11 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
             let street = &mut mains[main];
             *(if forward { &mut street.left } else { &mut street.right }) = cells.len();
         }
-        cells.push(cell(settlement, &face, side_of, |i| is_junction(face.vertices[i])));
+        let mut cell = cell(settlement, &face, side_of, |i| is_junction(face.vertices[i]));
+        if sketch.places.iter().any(|p| point_in_polygon(*p, &cell.border)) {
+            cell.used_as = CellUse::Open;
+        }
+        cells.push(cell);
     }
     Parts { junctions, mains, cells }
 }
@@ -118,5 +122,5 @@ fn cell(
     };
     let name = (0..n).map(half_edge).min().unwrap_or_default();
     let id = CellId(stable_hash(&[settlement.0, 0x63, name[0], name[1], name[2], name[3]]));
-    MainCell { id, anchor: pole(&border, 4.0).0, border, sides }
+    MainCell { id, used_as: CellUse::Built, anchor: pole(&border, 4.0).0, border, sides }
 }

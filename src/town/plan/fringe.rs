@@ -1,6 +1,7 @@
 //! The graph of main streets and outline, and the cuts that divide the fringe between them.
 
 use super::border::Laid;
+use super::pole::pole;
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
 use crate::space::{Bounds, closest_on_segment};
@@ -13,8 +14,13 @@ const CUT_GAP: f64 = 30.0;
 /// Fringe cells larger than this share of a cell of regular growth are divided.
 const WIDE: f64 = 1.25;
 
-/// Least length of main streets along both parts of a divided fringe cell, in metres: what has no street stays empty.
-const LEAST_FRONTAGE: f64 = 110.0;
+/// Least length of main streets along both parts of a divided fringe cell, in metres and as a share of the length of a
+/// street: what has no street stays empty.
+const LEAST_FRONTAGE: (f64, f64) = (140.0, 0.75);
+/// Fringe cells with a smaller inscribed circle than this radius, in metres, are joined with a neighbour.
+const SLIM: f64 = 26.0;
+/// Greatest area of a fringe cell that was joined, as a share of a cell of regular growth.
+const JOINED: f64 = 2.0;
 /// Number of cuts that are tried in one face.
 const MOST_TRIES: usize = 120;
 /// Width of a regular cell in villages, whose streets are short, in metres.
@@ -66,7 +72,9 @@ pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
     }
     let fringe = Fringe { sketch, laid, streets, ring };
     fringe.join(&mut graph);
+    let first_cut = graph.edges().map(|(e, _)| e + 1).max().unwrap_or(0);
     fringe.divide(&mut graph);
+    fringe.rejoin(&mut graph, first_cut);
     Borders { graph, edges }
 }
 
@@ -102,7 +110,7 @@ impl Fringe<'_> {
 
     /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
     fn divide(&self, graph: &mut BorderGraph) {
-        let regular = self.sketch.rules.length.max(LEAST_WIDTH) * self.sketch.rules.length.max(LEAST_WIDTH);
+        let regular = self.regular();
         // Faces without a good cut, by the first half-edge and length of their walk: nothing changes these.
         let mut whole = Vec::new();
         for _ in 0..8 {
@@ -133,6 +141,58 @@ impl Fringe<'_> {
                 break;
             }
         }
+    }
+
+    /// Takes cuts away again beside faces that are slim or have little street. Edges from `first_cut` on are cuts that may go.
+    fn rejoin(&self, graph: &mut BorderGraph, first_cut: EdgeIx) {
+        let (regular, frontage) = (self.regular(), self.least_frontage());
+        // Each round takes a cut away, so this ends; the bound only guards the time.
+        for _ in 0..200 {
+            let faces = graph.faces();
+            let is_cut = |e: EdgeIx| e >= first_cut && graph.edge(e).data.is_none();
+            let poor = |f: &&Face| {
+                let street: f64 = f
+                    .walk
+                    .iter()
+                    .filter(|h| graph.edge(h.edge).data.is_some())
+                    .map(|h| graph.segment(h.edge))
+                    .map(|(a, b)| a.distance(b))
+                    .sum();
+                f.area() > 0.0
+                    && f.walk.iter().any(|h| is_cut(h.edge))
+                    && (street < frontage || f.area() < 0.12 * regular || pole(&f.polygon, 2.0).1 < SLIM)
+            };
+            let joins = |f: &Face, cut: EdgeIx| {
+                let other = faces.iter().find(|o| o.walk[0] != f.walk[0] && o.walk.iter().any(|h| h.edge == cut));
+                other.is_some_and(|o| {
+                    let common = o.walk.iter().filter(|h| f.walk.iter().any(|k| k.edge == h.edge)).count();
+                    o.area() > 0.0 && common == 1 && o.area() + f.area() < JOINED * regular
+                })
+            };
+            let length = |e: EdgeIx| {
+                let (a, b) = graph.segment(e);
+                a.distance(b)
+            };
+            let found = faces.iter().filter(poor).find_map(|f| {
+                let mut cuts: Vec<EdgeIx> = f.walk.iter().map(|h| h.edge).filter(|e| is_cut(*e)).collect();
+                cuts.sort_by(|a, b| length(*b).total_cmp(&length(*a)).then(a.cmp(b)));
+                cuts.into_iter().find(|cut| joins(f, *cut))
+            });
+            match found {
+                Some(cut) => graph.remove_edge(cut),
+                None => break,
+            };
+        }
+    }
+
+    /// Area of a cell of regular growth.
+    fn regular(&self) -> f64 {
+        let length = self.sketch.rules.length.max(LEAST_WIDTH);
+        length * length
+    }
+
+    fn least_frontage(&self) -> f64 {
+        LEAST_FRONTAGE.0.max(LEAST_FRONTAGE.1 * self.sketch.rules.length)
     }
 
     /// Cuts one face; whether a cut was found.
@@ -173,7 +233,7 @@ impl Fringe<'_> {
                 let least = part.min(area - part);
                 let frontage = front[i.max(j)] - front[i.min(j)];
                 let frontage = frontage.min(front[n] - frontage);
-                if twice.is_none() && (least < 0.3 * regular || frontage < LEAST_FRONTAGE) {
+                if twice.is_none() && (least < 0.3 * regular || frontage < self.least_frontage()) {
                     continue;
                 }
                 let balance = (least / area).max(0.02);

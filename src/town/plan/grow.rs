@@ -199,3 +199,181 @@ fn bend_to(traced: &[DVec2], at: DVec2) -> Vec<DVec2> {
     };
     tidy((0..=parts as usize).map(at_part).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::StreetClass;
+    use crate::space::{Origin, Seed};
+    use crate::terrain::{Terrain, TerrainSample};
+    use crate::town::MainRules;
+    use crate::town::plan::sketch::{Limits, Rules};
+
+    struct Flat;
+
+    impl Terrain for Flat {
+        fn sample(&self, _: DVec2) -> TerrainSample {
+            TerrainSample { height: 10.0, water_level: 0.0, vegetation: 0.0 }
+        }
+    }
+
+    fn rules() -> Rules {
+        let style = MainRules {
+            length: 200.0,
+            deviation: 0.0,
+            min_length: 100.0,
+            min_angle_deg: 60.0,
+            angle_deviation_deg: 0.0,
+            snap_radius: 50.0,
+            ..MainRules::default()
+        };
+        Rules::new(&style, 2000.0)
+    }
+
+    const OUTLINE: [DVec2; 4] =
+        [DVec2::new(-2e3, -2e3), DVec2::new(2e3, -2e3), DVec2::new(2e3, 2e3), DVec2::new(-2e3, 2e3)];
+
+    /// A plain with streets drawn between places; junctions are where their ends coincide.
+    fn drawn(lines: &[&[(f64, f64)]]) -> Sketch<'static> {
+        let mut sketch = Sketch::new(&OUTLINE, &[], rules(), Origin::default(), &Flat);
+        for line in lines {
+            let vertices: Vec<VertexIx> = line.iter().map(|p| vertex(&mut sketch, *p)).collect();
+            for pair in vertices.windows(2) {
+                sketch.graph.add_edge(pair[0], pair[1], StreetClass::Main);
+            }
+        }
+        sketch
+    }
+
+    fn vertex(sketch: &mut Sketch, p: (f64, f64)) -> VertexIx {
+        let p = DVec2::from(p);
+        let found = sketch.graph.vertices().find(|v| sketch.graph.at(*v) == p);
+        found.unwrap_or_else(|| sketch.graph.add_vertex(p))
+    }
+
+    /// Proposes a street of 200 m to the north from a new street's end at a place; where it ends, and in what degree.
+    fn north(sketch: &mut Sketch, x: f64, y: f64) -> Option<(DVec2, usize)> {
+        let v = sketch.graph.add_vertex(DVec2::new(x, y));
+        let (field, mut stream) = (DirectionField::uniform(0.0), Seed(1).stream("test", &[]));
+        let end = propose(sketch, &field, &mut stream, v, DVec2::Y)?;
+        Some((sketch.graph.at(end), sketch.graph.degree(end)))
+    }
+
+    #[test]
+    fn a_street_ends_free_where_nothing_is_near() {
+        assert_eq!(north(&mut drawn(&[]), 0.0, 0.0), Some((DVec2::new(0.0, 200.0), 1)));
+    }
+
+    #[test]
+    fn a_street_connects_to_the_nearest_junction_within_the_snap_radius() {
+        let cross: [&[(f64, f64)]; 2] =
+            [&[(-400.0, 230.0), (0.0, 230.0), (400.0, 230.0)], &[(0.0, 230.0), (0.0, 500.0)]];
+        assert_eq!(north(&mut drawn(&cross), 30.0, 0.0), Some((DVec2::new(0.0, 230.0), 4)));
+        // Another junction, nearer to the end.
+        let nearer: [&[(f64, f64)]; 2] = [cross[0], &[(-400.0, 230.0), (-400.0, 500.0)]];
+        let (at, degree) = north(&mut drawn(&nearer), 30.0, 0.0).unwrap();
+        assert!(at.distance(DVec2::new(30.0, 230.0)) < 0.01 && degree == 3, "{at} {degree}");
+    }
+
+    #[test]
+    fn a_street_makes_an_intersection_with_an_edge_within_the_snap_radius() {
+        let bar: [&[(f64, f64)]; 1] = [&[(-400.0, 240.0), (400.0, 240.0)]];
+        assert_eq!(north(&mut drawn(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 240.0), 3)));
+    }
+
+    #[test]
+    fn a_street_is_clipped_where_it_meets_another() {
+        let bar: [&[(f64, f64)]; 1] = [&[(-400.0, 130.0), (400.0, 130.0)]];
+        assert_eq!(north(&mut drawn(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 130.0), 3)));
+    }
+
+    /// Whether a straight street from a new place may end at a place of the drawing.
+    fn fits(sketch: &mut Sketch, from: (f64, f64), end: End, limits: &Limits) -> bool {
+        let v = vertex(sketch, from);
+        let to = match end {
+            End::Vertex(w) => sketch.graph.at(w),
+            End::Edge(_, p) => p,
+            _ => DVec2::ZERO,
+        };
+        sketch.fits(&[DVec2::from(from), to], End::Vertex(v), end, limits)
+    }
+
+    #[test]
+    fn connecting_and_clipping_are_discarded_for_a_small_angle() {
+        // A bar that rises so that a street to the north meets it at an angle of 90 degrees less `rise`.
+        for (rise, fine) in [(0.0, true), (25.0, true), (29.0, true), (31.0, false), (60.0, false)] {
+            let way = direction(f64::to_radians(rise)) * 600.0;
+            let (a, b) = (DVec2::Y * 150.0 - way, DVec2::Y * 150.0 + way);
+            let mut sketch = drawn(&[&[a.into(), b.into()]]);
+            let limits = sketch.limits();
+            assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Edge(0, DVec2::Y * 150.0), &limits), fine, "{rise}");
+        }
+        let mut sketch = drawn(&[&[(0.0, 150.0), (200.0, 50.0)]]);
+        let limits = sketch.limits();
+        assert!(!fits(&mut sketch, (100.0, -60.0), End::Vertex(0), &limits), "beside the street at the junction");
+    }
+
+    #[test]
+    fn connecting_and_clipping_are_discarded_for_a_short_part_of_a_split_street() {
+        for (x, fine) in [(0.0, true), (95.0, true), (105.0, false), (180.0, false)] {
+            // Junctions at both ends of the piece that is split.
+            let mut sketch = drawn(&[
+                &[(-300.0, 150.0), (-200.0, 150.0), (200.0, 150.0), (300.0, 150.0)],
+                &[(-200.0, 150.0), (-200.0, 400.0)],
+                &[(200.0, 150.0), (200.0, 400.0)],
+            ]);
+            let limits = sketch.limits();
+            let edge = sketch.graph.edges_near(Bounds::of([DVec2::new(x, 150.0)]))[0];
+            assert_eq!(fits(&mut sketch, (x, 0.0), End::Edge(edge, DVec2::new(x, 150.0)), &limits), fine, "{x}");
+        }
+    }
+
+    #[test]
+    fn connecting_is_discarded_at_a_full_junction() {
+        for (most, fine) in [(5, true), (4, false), (3, false)] {
+            let mut sketch = drawn(&[&[(0.0, 150.0), (300.0, 250.0)], &[(0.0, 150.0), (-300.0, 250.0)]]);
+            for (i, x) in [-40.0, 40.0].into_iter().enumerate() {
+                let v = vertex(&mut sketch, (x, 450.0));
+                sketch.graph.add_edge(0, v, StreetClass::Main);
+                assert_eq!(sketch.graph.degree(0), 3 + i);
+            }
+            sketch.rules.degree = (3, most);
+            let limits = sketch.limits();
+            assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Vertex(0), &limits), fine, "{most}");
+        }
+    }
+
+    #[test]
+    fn short_streets_are_discarded() {
+        for (length, fine) in [(99.0, false), (101.0, true)] {
+            let mut sketch = drawn(&[&[(-400.0, length), (400.0, length)]]);
+            let limits = sketch.limits();
+            assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Edge(0, DVec2::Y * length), &limits), fine, "{length}");
+        }
+    }
+
+    #[test]
+    fn headings_keep_to_the_degree_range_and_the_angle_deviation() {
+        for number in 0..200 {
+            let mut stream = Seed(number).stream("test", &[]);
+            let mut sketch = drawn(&[&[(0.0, -300.0), (0.0, 0.0)]]);
+            sketch.rules.degree = (2 + stream.index(2), 4 + stream.index(2));
+            sketch.rules.angle_deviation = stream.range(0.0, 0.3);
+            let field = DirectionField::uniform(0.0);
+            let found = headings(&sketch, &field, &mut stream, 1);
+            let (low, high) = sketch.rules.degree;
+            assert!(
+                (low..=high).contains(&(found.len() + 1)) || found.len() == 3,
+                "{} in {low}..={high}",
+                found.len() + 1
+            );
+            let mut all = vec![-DVec2::Y];
+            for heading in found.iter().take(3) {
+                let off = angle_between(field.along(DVec2::ZERO, *heading), *heading);
+                assert!(off <= sketch.rules.angle_deviation + 1e-9, "{off}");
+                assert!(all.iter().all(|d| angle_between(*d, *heading) >= sketch.rules.angle - 1e-9));
+                all.push(*heading);
+            }
+        }
+    }
+}

@@ -95,6 +95,8 @@ pub(super) struct Sketch<'a> {
     /// Vertex in `graph` of each gate that has a street.
     pub gate_vertices: Vec<Option<VertexIx>>,
     pub rules: Rules,
+    /// Middles of roundabouts and squares.
+    pub places: Vec<DVec2>,
     origin: Origin,
     terrain: &'a dyn Terrain,
 }
@@ -122,6 +124,7 @@ impl<'a> Sketch<'a> {
             gates,
             gate_vertices: vec![None; gates.len()],
             rules,
+            places: Vec::new(),
             origin,
             terrain,
         }
@@ -307,7 +310,7 @@ impl<'a> Sketch<'a> {
     }
 
     /// Whether the ground along the path is dry and not too steep.
-    fn ground_fits(&self, path: &[DVec2]) -> bool {
+    pub fn ground_fits(&self, path: &[DVec2]) -> bool {
         let mut before: Option<(DVec2, f64)> = None;
         segments(path).all(|(a, b)| {
             let steps = (a.distance(b) / GROUND_STEP).ceil().max(1.0);

@@ -1,0 +1,81 @@
+//! Bending of patches: so that the headings of a street fit at both ends, where the patch as it is drawn would leave a kink.
+
+use super::Work;
+use crate::space::math::{cos, sin, smoothstep};
+use glam::DVec2;
+
+/// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bend {
+    from: DVec2,
+    along: DVec2,
+    length: f64,
+    /// Change of slope at the start and at the end.
+    slopes: [f64; 2],
+}
+
+impl Bend {
+    /// The bend of a line from `from` to `to`.
+    pub fn new(from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
+        let length = from.distance(to);
+        Self { from, along: (to - from) / length, length, slopes }
+    }
+
+    /// By how much the point `p` is moved.
+    pub fn shift(&self, p: DVec2) -> DVec2 {
+        let x = (p - self.from).dot(self.along);
+        let t = (x / self.length).clamp(0.0, 1.0);
+        // The cubic with these slopes and no shift at the ends; straight on beyond them.
+        let inside = self.length * t * (1.0 - t) * (self.slopes[0] * (1.0 - t) - self.slopes[1] * t);
+        let beyond = self.slopes[0] * x.min(0.0) + self.slopes[1] * (x - self.length).max(0.0);
+        self.along.perp() * (inside + beyond)
+    }
+}
+
+impl Work<'_> {
+    /// How the slopes of a street must change at its two ends to fit, as far as patches may be bent, and the least cosine of
+    /// what is left of a bend at either end; `None` where that is too much. `is` and `wanted` are the headings of the street
+    /// at both ends against the straight line between them, in radians; nothing is asked of an end where it is `None`.
+    pub(super) fn bend(&self, is: [f64; 2], wanted: [Option<f64>; 2]) -> Option<([f64; 2], f64)> {
+        let mut slopes = [0.0; 2];
+        let mut left: f64 = 0.0;
+        for i in 0..2 {
+            let Some(wanted) = wanted[i] else { continue };
+            let off = wanted - is[i];
+            if off.abs() > self.bending + self.most_turn {
+                return None;
+            }
+            // A street that sets out sidewards is not turned by a sidewards shift. Less than a degree is no more than the
+            // jitter of streets, and what is straight stays so.
+            let steep = is[i].abs().max(wanted.abs()) > 0.9;
+            let most = if steep { 0.0 } else { self.bending };
+            let bent = off.clamp(-most, most) * smoothstep(0.01, 0.03, off.abs());
+            left = left.max((off - bent).abs());
+            if bent != 0.0 {
+                let slope = |angle: f64| sin(angle) / cos(angle);
+                slopes[i] = slope(is[i] + bent) - slope(is[i]);
+            }
+        }
+        (left <= self.most_turn).then(|| (slopes, 1.0 - 0.5 * left * left))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bend_keeps_both_ends_and_turns_their_headings() {
+        let (from, to) = (DVec2::new(10.0, 5.0), DVec2::new(90.0, 35.0));
+        let bend = Bend::new(from, to, [0.2, -0.1]);
+        let along = (to - from).normalize();
+        assert!(bend.shift(from).length() < 1e-9 && bend.shift(to).length() < 1e-9);
+        for (end, slope) in [(from, 0.2), (to, -0.1)] {
+            for side in [-1e-4, 1e-4] {
+                let p = end + along * side;
+                let heading = (p + bend.shift(p) - end) / side;
+                assert!((heading.dot(along) - 1.0).abs() < 1e-6 && (heading.dot(along.perp()) - slope).abs() < 1e-4);
+            }
+        }
+    }
+}

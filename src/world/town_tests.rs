@@ -1,0 +1,135 @@
+//! What styles, counts and pinned patches make of towns.
+
+use super::*;
+use crate::region::{Settlement, SizeClass};
+use crate::space::math::rotate;
+use crate::space::{distance_to_line, stable_hash};
+use crate::streets::MadeBy;
+use crate::town::{CellUse, PatchCount, Style};
+use std::collections::BTreeSet;
+
+fn world(assets: WorldAssets, edits: Edits) -> World {
+    World::with_edits(Seed(5), Settings::default(), assets, edits).expect("they are right")
+}
+
+/// Towns of a style near the origin.
+fn towns(world: &World, style: &str) -> Vec<Arc<Settlement>> {
+    let near = Bounds::square(DVec2::ZERO, 60_000.0);
+    let mut all = world.settlements().centred_in_of(near, SizeClass::Town).expect("nothing is cancelled");
+    all.extend(world.settlements().centred_in_of(near, SizeClass::City).expect("nothing is cancelled"));
+    all.retain(|s| s.style == style);
+    all
+}
+
+fn never() -> Cancel {
+    Cancel::new()
+}
+
+#[test]
+fn the_fringe_takes_over_from_the_centre() {
+    let w = world(WorldAssets::bundled(), Edits::default());
+    let (mut centre, mut middle, mut outside) = (0, 0, 0);
+    for settlement in towns(&w, "european").iter().take(4) {
+        let town = w.town(settlement, &never()).unwrap();
+        let (own, fringe) = (&w.assets().styles["european"], &w.assets().styles["suburb"]);
+        let outline = w.settlements().outline(settlement).unwrap();
+        let radius = (outline.area() / std::f64::consts::PI).sqrt();
+        for (cell, with) in town.town.cells.iter().zip(&town.cells) {
+            let share = own.fringe_share(cell.anchor.length() / radius);
+            let expected = own.local.length + (fringe.local.length - own.local.length) * share;
+            assert!((with.style.local.length - expected).abs() < 0.05 * own.local.length, "{share}");
+            let used: f64 = with.weights.iter().sum();
+            assert!(used > 5.0 && with.weights.len() == with.patches.patches.len());
+            centre += usize::from(with.style.local == own.local);
+            middle += usize::from(share > 0.1 && share < 0.9);
+            outside += usize::from(share > 0.9);
+        }
+    }
+    assert!(centre > 5 && middle > 5 && outside > 3, "{centre} {middle} {outside}");
+}
+
+#[test]
+fn counted_patches_stand_as_often_as_the_style_says() {
+    let mut assets = WorldAssets::bundled();
+    let mut style = Style::clone(&assets.styles["suburb"]);
+    let count = |patch: &str, at_least, at_most, weight| PatchCount { patch: patch.into(), at_least, at_most, weight };
+    style.patches = vec![
+        count("cross", 0, Some(0), 1.0),
+        count("tee", 0, Some(3), 50.0),
+        count("roundabout of four", 2, Some(2), 1.0),
+    ];
+    assets.styles.insert("suburb".into(), Arc::new(style));
+    let w = world(assets, Edits::default());
+    let (mut tees, mut rounds) = (0, 0);
+    for settlement in towns(&w, "suburb").iter().take(3) {
+        let town = w.town(settlement, &never()).unwrap();
+        let cells_with = |name: &str| {
+            let uses = |i: usize| {
+                let streets = w.layers().streets(&town, i, &never()).unwrap();
+                let names = |m: MadeBy| match m {
+                    MadeBy::Patch(p) => town.cells[i].patches.patches[p as usize].name == name,
+                    _ => false,
+                };
+                streets.streets.iter().any(|s| names(s.made_by))
+            };
+            (0..town.town.cells.len()).filter(|i| uses(*i)).count()
+        };
+        assert_eq!(cells_with("cross"), 0, "{}", settlement.name);
+        assert!(cells_with("tee") <= 3 && cells_with("roundabout of four") <= 2, "{}", settlement.name);
+        tees += cells_with("tee");
+        rounds += cells_with("roundabout of four");
+    }
+    assert!(tees >= 3 && rounds >= 4, "{tees} tees, {rounds} roundabouts");
+}
+
+#[test]
+fn a_pinned_patch_stands_where_it_is_pinned_or_is_rejected_alone() {
+    let plain = world(WorldAssets::bundled(), Edits::default());
+    let settlement = towns(&plain, "suburb").remove(0);
+    let town = plain.town(&settlement, &never()).unwrap();
+    let mut cells: Vec<_> = town.town.cells.iter().filter(|c| c.used_as == CellUse::Built).collect();
+    cells.sort_by_key(|c| stable_hash(&[c.id.0]));
+    let wish = |patch: &str, at: DVec2, heading_deg: f64| PatchEdit {
+        patch: patch.into(),
+        at: town.town.origin.to_plan(at.round()),
+        heading_deg,
+        mirrored: heading_deg > 100.0,
+    };
+    let mut patches: Vec<PatchEdit> =
+        cells.iter().take(8).enumerate().map(|(i, c)| wish("tee", c.anchor, 40.0 * i as f64)).collect();
+    patches.push(wish("market square", cells[8].anchor, 10.0));
+    let good = patches.len();
+    patches.push(wish("no such patch", cells[0].anchor, 0.0));
+    patches.push(wish("link", DVec2::splat(30_000.0), 0.0));
+    patches.push(wish("link", town.town.mains[0].street.line[0], 0.0));
+    let edits = Edits { patches, ..Edits::default() };
+    let w = world(WorldAssets::bundled(), edits.clone());
+    let rejected: BTreeSet<usize> = w.rejected_edits(&never()).unwrap().iter().map(|r| r.index).collect();
+    assert!((good..good + 3).all(|i| rejected.contains(&i)), "{rejected:?}");
+    assert!(rejected.len() <= 3 + good / 2, "{:?}", w.rejected_edits(&never()));
+    assert!(w.rejected_edits(&never()).unwrap().iter().all(|r| r.list == EditList::Patches));
+    let pinned = w.town(&settlement, &never()).unwrap();
+    for (index, edit) in edits.patches.iter().enumerate().filter(|(i, _)| !rejected.contains(i)) {
+        let local = pinned.town.origin.to_local(edit.at);
+        let cell = pinned.cells.iter().position(|c| c.edits.contains(&index)).expect("it is not rejected");
+        let patch = pinned.cells[cell].patches.patches.iter().find(|p| p.name == edit.patch).unwrap();
+        let streets = w.layers().streets(&pinned, cell, &never()).unwrap();
+        for edge in &patch.edges {
+            let middle = patch.vertices[edge.a].lerp(patch.vertices[edge.b], 0.5);
+            let mirror = if edit.mirrored { DVec2::new(1.0, -1.0) } else { DVec2::ONE };
+            let at = local + rotate(middle * mirror, edit.heading_deg.to_radians());
+            let away = streets.streets.iter().map(|s| distance_to_line(at, &s.street.line));
+            let off = away.fold(f64::INFINITY, f64::min);
+            assert!(off < 1.0, "{}: {off} m from where it is pinned", edit.patch);
+        }
+    }
+    // Nothing changes but what is said to.
+    let size = w.settings().chunk_size;
+    let middle = ChunkCoord::containing(settlement.centre.plan(), size);
+    let near = || (-4..=4).flat_map(|y| (-4..=4).map(move |x| ChunkCoord::new(middle.0.x + x, middle.0.y + y)));
+    let changed = w.changed_chunks(&plain, near(), &never()).unwrap();
+    let print = |w: &World, c: ChunkCoord| format!("{:?}", w.chunk(c, &never()).unwrap());
+    let really: BTreeSet<ChunkCoord> = near().filter(|c| print(&w, *c) != print(&plain, *c)).collect();
+    assert!(!really.is_empty() && really.is_subset(&changed), "{really:?} {changed:?}");
+    assert!(changed.len() < 60, "{}", changed.len());
+}
