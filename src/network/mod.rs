@@ -8,9 +8,11 @@ mod faces;
 mod measures;
 mod planar;
 mod street;
+mod survey;
 
 pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
 pub use measures::{Measures, measure};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
 pub use street::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
+pub use survey::{Survey, survey};

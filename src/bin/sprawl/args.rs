@@ -1,5 +1,6 @@
 //! Commands and their flags.
 
+use crate::towns::Kind;
 use bevy_sprawl::region::Populations;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec2;
@@ -55,6 +56,8 @@ pub enum Command {
     Digest(DigestArgs),
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
+    /// Measure towns of every style, and hold them against real ones
+    Towns(TownsArgs),
     /// Roads between given settlements on given ground
     Roads(Box<RoadsArgs>),
     /// Check or draw patch sets
@@ -251,6 +254,25 @@ pub struct RoadsArgs {
 }
 
 #[derive(Args)]
+pub struct TownsArgs {
+    /// Seeds of the worlds, one town of each style in each, the end excluded
+    #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = seed_range)]
+    pub seeds: Range<u64>,
+    /// Names of styles [default: every style]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub style: Vec<String>,
+    /// Radius of a town in metres
+    #[arg(long, value_name = "M", default_value = "900", value_parser = radius)]
+    pub radius: f64,
+    /// Kind of real towns to compare with [default: what the style stands for]
+    #[arg(long, value_name = "KIND")]
+    pub kind: Option<Kind>,
+    /// File to write the tables to, as markdown
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
 pub struct PatchesArgs {
     #[command(subcommand)]
     pub command: PatchesCommand,
@@ -304,6 +326,11 @@ fn populations(text: &str) -> Result<Populations, String> {
 fn size(text: &str) -> Result<f64, String> {
     let size = number(text)?;
     if size > 0.0 && size <= MOST { Ok(size) } else { Err(format!("more than 0 and at most {MOST} m is allowed")) }
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    let radius = number(text)?;
+    if (120.0..=5000.0).contains(&radius) { Ok(radius) } else { Err("120 to 5000 m is allowed".into()) }
 }
 
 fn seed_range(text: &str) -> Result<Range<u64>, String> {

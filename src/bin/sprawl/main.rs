@@ -10,6 +10,7 @@ mod roads;
 mod settlements;
 mod soak;
 mod stats;
+mod towns;
 mod windows;
 mod work;
 
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::Digest(args) => digest::run(&cli.common, args),
         Command::Soak(args) if args.windows => windows::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
+        Command::Towns(args) => towns::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
     };
