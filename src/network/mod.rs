@@ -5,6 +5,7 @@
 
 mod crossings;
 mod faces;
+mod growth;
 mod measures;
 mod planar;
 mod street;
@@ -12,6 +13,7 @@ mod survey;
 
 pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
+pub use growth::{GrowthRules, grow};
 pub use measures::{Measures, measure};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
 pub use street::{Junction, JunctionId, Network, Street, StreetClass, StreetId};

@@ -58,6 +58,8 @@ pub enum Command {
     Soak(SoakArgs),
     /// Measure towns of every style, and hold them against real ones
     Towns(TownsArgs),
+    /// What the parametric generator can make: connectivity against density of many networks
+    ExpressiveRange(ExpressiveArgs),
     /// Roads between given settlements on given ground
     Roads(Box<RoadsArgs>),
     /// Check or draw patch sets
@@ -269,6 +271,16 @@ pub struct TownsArgs {
     pub kind: Option<Kind>,
     /// File to write the tables to, as markdown
     #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct ExpressiveArgs {
+    /// Networks for each pair of a range of degrees and a least angle
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub networks: u64,
+    /// Folder to write `expressive-range.csv`, a figure of all pairs (`.svg`) and one of all networks (`-all.svg`) to
+    #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
 

@@ -3,6 +3,7 @@
 mod args;
 mod digest;
 mod drawn;
+mod expressive;
 mod fail;
 mod map;
 mod patches;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Command::Soak(args) if args.windows => windows::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
         Command::Towns(args) => towns::run(&cli.common, args),
+        Command::ExpressiveRange(args) => expressive::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
     };
