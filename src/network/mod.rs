@@ -6,6 +6,7 @@
 mod crossings;
 mod faces;
 mod growth;
+mod lattice;
 mod measures;
 mod planar;
 mod street;
@@ -14,6 +15,7 @@ mod survey;
 pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
 pub use growth::{GrowthRules, grow};
+pub use lattice::{LatticeCounts, LatticeReport};
 pub use measures::{Measures, measure};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
 pub use street::{Junction, JunctionId, Network, Street, StreetClass, StreetId};

@@ -56,6 +56,8 @@ pub enum Command {
     Digest(DigestArgs),
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
+    /// Count streets near chunk borders and away from them: nothing may tell where the borders are
+    Seams(SeamsArgs),
     /// Measure towns of every style, and hold them against real ones
     Towns(TownsArgs),
     /// What the parametric generator can make: connectivity against density of many networks
@@ -175,8 +177,12 @@ pub enum Order {
 #[derive(Args)]
 pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
-    #[arg(long, value_name = "A..B", value_parser = seed_range)]
-    pub seeds: Range<u64>,
+    #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
+    pub seeds: Option<Range<u64>>,
+    /// Check instead this many towns of every size and style, each pinned in a world of its own: seeds from that of `--seed` on
+    #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub towns: Option<u32>,
     /// Check each world with edits of every kind around its city, drawn from its seed; way points and pinned settlements are
     /// checked, too
     #[arg(long, conflicts_with = "edits")]
@@ -253,6 +259,19 @@ pub struct RoadsArgs {
     /// Longer side of an SVG or PNG
     #[arg(long, value_name = "N", default_value_t = 1600, value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub pixels: u32,
+}
+
+#[derive(Args)]
+pub struct SeamsArgs {
+    /// Square kilometres of towns to count, around the origin
+    #[arg(long, value_name = "N", default_value = "200", value_parser = size)]
+    pub km2: f64,
+    /// Greatest difference between what is near borders and the rest, as a share
+    #[arg(long, value_name = "SHARE", default_value = "0.03", value_parser = number)]
+    pub most_difference: f64,
+    /// Greatest peak of the spectrum at the chunk's edge and its harmonics, over what is around them
+    #[arg(long, value_name = "RATIO", default_value = "3", value_parser = number)]
+    pub most_peak: f64,
 }
 
 #[derive(Args)]

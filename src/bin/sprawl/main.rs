@@ -8,6 +8,7 @@ mod fail;
 mod map;
 mod patches;
 mod roads;
+mod seams;
 mod settlements;
 mod soak;
 mod stats;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Command::Digest(args) => digest::run(&cli.common, args),
         Command::Soak(args) if args.windows => windows::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
+        Command::Seams(args) => seams::run(&cli.common, args),
         Command::Towns(args) => towns::run(&cli.common, args),
         Command::ExpressiveRange(args) => expressive::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),

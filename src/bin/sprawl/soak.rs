@@ -1,9 +1,10 @@
-//! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, against what the design
-//! promises.
+//! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, or towns of every size and
+//! style, against what the design promises.
 
 use crate::args::{Common, SoakArgs};
 use crate::drawn;
 use crate::fail::Fail;
+use crate::towns;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::network::JunctionId;
@@ -12,7 +13,9 @@ use bevy_sprawl::space::{Bounds, Seed};
 use bevy_sprawl::world::{Area, SettlementEdit, World, audit, unreached_gates};
 use glam::DVec2;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// A city is looked for in a square of this edge, in metres, around the origin.
@@ -22,11 +25,17 @@ const MARGIN: f64 = 250.0;
 /// Edge of the square that is checked around a way point, in metres.
 const AROUND: f64 = 3_000.0;
 
+/// Radii of villages, towns and cities that are drawn, in metres.
+const RADII: [(f64, f64); 3] = [(120.0, 340.0), (350.0, 800.0), (850.0, 1500.0)];
+
 /// Runs the command. Findings make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
+    if let Some(towns) = args.towns {
+        return check_towns(common, &world, towns);
+    }
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
-    let seeds: Vec<u64> = args.seeds.clone().collect();
+    let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let cities = work::each(common, "checking cities", &seeds, |seed| {
         let with = |edits| World::with_edits(Seed(*seed), settings.clone(), assets.clone(), edits);
         // The settings and assets are those of a world that was made already.
@@ -72,6 +81,58 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     match findings.len() {
         0 => Ok(()),
         n => Err(Fail::World(format!("{n} findings in {found} cities"))),
+    }
+}
+
+/// Checks towns of all sizes and styles, each on ground of a world of its own.
+fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
+    let styles: Vec<&String> = plain.assets().styles.keys().collect();
+    let seeds: Vec<u64> = (0..u64::from(towns)).map(|i| common.seed.wrapping_add(i)).collect();
+    let checked = work::each(common, "checking towns", &seeds, |seed| {
+        let mut stream = Seed(*seed).stream("towns to check", &[]);
+        let style = stream.index(styles.len());
+        let sizes = [SizeClass::Village, SizeClass::Town, SizeClass::City];
+        let size = stream.weighted(&[0.5, 0.35, 0.15]).map_or(SizeClass::Village, |i| sizes[i]);
+        let (least, most) = RADII[size as usize];
+        let radius = stream.range(least, most).round();
+        let made = || match towns::stand(plain, *seed, styles[style], radius, false)? {
+            Some((world, town)) => check(&world, &town),
+            None => Ok(City::default()),
+        };
+        // A panic is a finding like others, and the next town is another world.
+        let city = catch_unwind(AssertUnwindSafe(made))
+            .unwrap_or_else(|_| Ok(City { findings: vec![("Panic".to_owned(), DVec2::ZERO)], ..City::default() }))?;
+        Ok((style, size, radius, city))
+    })?;
+    let (mut findings, mut people) = (Vec::new(), String::new());
+    let mut of: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let (mut streets, mut buildings) = (0, 0);
+    for (seed, (style, size, radius, city)) in seeds.iter().zip(&checked) {
+        *of.entry((styles[*style], size.name())).or_default() += usize::from(city.streets > 0);
+        streets += city.streets;
+        buildings += city.buildings;
+        for (what, at) in &city.findings {
+            let style = styles[*style];
+            findings
+                .push(json!({ "seed": seed, "style": style, "radius_m": radius, "what": what, "x": at.x, "y": at.y }));
+            let _ = writeln!(people, "seed {seed}, {style}, radius {radius}: {what} at {},{}", at.x, at.y);
+        }
+    }
+    let found: usize = of.values().sum();
+    let kinds: Vec<Value> =
+        of.iter().map(|((style, size), n)| json!({ "style": style, "size": size, "towns": n })).collect();
+    for ((style, size), n) in &of {
+        let _ = writeln!(people, "{style:12} {size:8} {n:6}");
+    }
+    let _ = writeln!(people, "{found} towns, {streets} streets, {buildings} buildings: {} findings", findings.len());
+    let count = findings.len();
+    let report = json!({
+        "towns": found, "kinds": kinds, "streets": streets, "buildings": buildings, "findings": findings,
+    });
+    work::print(common, &report, &people)?;
+    match count {
+        0 => Ok(()),
+        n => Err(Fail::World(format!("{n} findings in {found} towns"))),
     }
 }
 
