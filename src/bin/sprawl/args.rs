@@ -179,7 +179,7 @@ pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
     #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
     pub seeds: Option<Range<u64>>,
-    /// Check instead this many towns of every size and style, each pinned in a world of its own: seeds from that of `--seed` on
+    /// Check instead this many towns of every size and style, 12 to a world: seeds from that of `--seed` on
     #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub towns: Option<u32>,

@@ -59,7 +59,7 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     let jobs: Vec<(u64, usize)> =
         args.seeds.clone().flat_map(|seed| (0..styles.len()).map(move |s| (seed, s))).collect();
     let towns = work::each(common, "measuring towns", &jobs, |(seed, style)| {
-        let Some((world, town)) = stand(&world, *seed, &styles[*style], args.radius, true)? else { return Ok(None) };
+        let Some((world, town)) = stand(&world, *seed, &styles[*style], args.radius)? else { return Ok(None) };
         measured(&world, &town).map(|m| Some(Measured { style: *style, seed: *seed, ..m }))
     })?;
     let towns: Vec<Measured> = towns.into_iter().flatten().collect();
@@ -82,20 +82,18 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     work::print(common, &report, &people)
 }
 
-/// A world with a town of a style pinned on ground that is drawn from a seed: `even`, dry and not steep; or else any that a
-/// settlement can stand on.
-pub fn stand(
-    plain: &World,
-    seed: u64,
-    style: &str,
-    radius: f64,
-    even: bool,
-) -> Result<Option<(World, Arc<Settlement>)>, LayerError> {
-    let size = match radius {
+/// The size class that a radius in metres belongs to.
+pub fn size_of(radius: f64) -> SizeClass {
+    match radius {
         r if r >= 850.0 => SizeClass::City,
         r if r >= 350.0 => SizeClass::Town,
         _ => SizeClass::Village,
-    };
+    }
+}
+
+/// A world with a town of a style pinned on even ground that is drawn from a seed.
+fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(World, Arc<Settlement>)>, LayerError> {
+    let size = size_of(radius);
     // The ground of the seed, and no other towns yet: settings and assets are those of a world that was made already.
     let with = |edits| {
         let (settings, assets) = (plain.settings().clone(), plain.assets().clone());
@@ -105,7 +103,7 @@ pub fn stand(
     for k in 0..TRIES {
         let mut stream = Seed(seed).stream("towns to measure", &[k]);
         let at = DVec2::new(stream.signed() * FAR, stream.signed() * FAR).round();
-        if even && !is_even(&**ground.terrain(), at, radius) {
+        if !is_even(&**ground.terrain(), at, radius) {
             continue;
         }
         let mut edits = plain.edits().clone();
