@@ -92,6 +92,12 @@ pub struct MapArgs {
     /// What the colours of streets say in an SVG or PNG
     #[arg(long, value_name = "WHAT", default_value = "class")]
     pub colour_by: ColourBy,
+    /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees
+    #[arg(long, value_name = "FILE")]
+    pub beside: Option<PathBuf>,
+    /// Middle of the real town [default: that of the file's streets]
+    #[arg(long, value_name = "LON,LAT", requires = "beside", allow_hyphen_values = true, value_parser = point)]
+    pub beside_at: Option<DVec2>,
     /// How much an SVG or PNG shows
     #[arg(long, value_name = "WHAT", default_value = "auto")]
     pub show: Show,

@@ -1,6 +1,7 @@
 //! The command line: maps, figures, settlements and digests of a world, roads of a finite domain, and checks of patch sets.
 
 mod args;
+mod beside;
 mod digest;
 mod drawn;
 mod expressive;
