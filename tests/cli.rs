@@ -283,6 +283,34 @@ fn every_format_is_written_and_the_map_passes_a_strangers_check() {
 }
 
 #[test]
+fn a_real_town_is_drawn_beside_one_of_the_world() {
+    let node = |id: usize, x: f64, y: f64| format!("<node id=\"{id}\" lon=\"{}\" lat=\"{}\"/>", 8.0 + x, 49.0 + y);
+    let nodes: String = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)]
+        .iter()
+        .enumerate()
+        .map(|(i, (x, y))| node(i + 1, *x, *y))
+        .collect();
+    let way = |id: u32, refs: &[u32], tag: &str| {
+        let refs: String = refs.iter().map(|r| format!("<nd ref=\"{r}\"/>")).collect();
+        format!("<way id=\"{id}\">{refs}{tag}</way>")
+    };
+    let street = way(1, &[1, 2, 3], "<tag k=\"highway\" v=\"residential\"/>");
+    let house = way(2, &[1, 2, 3, 4, 1], "<tag k=\"building\" v=\"yes\"/>");
+    let real = file("real.osm", &format!("<osm version=\"0.6\">{nodes}{street}{house}</osm>"));
+    let (real, drawn) = (real.to_string_lossy(), file("beside.svg", ""));
+    let drawn = drawn.to_string_lossy();
+    let map = ["map", "--seed", "5", "--at", city(), "--size", "400", "--beside", &real, "-o"];
+    out(&[&map[..], &[&drawn, "--colour-by", "origin", "--pixels", "300"]].concat());
+    let picture = std::fs::read_to_string(&*drawn).expect("a file");
+    assert!(picture.contains("this world") && picture.contains("a real town"), "both are named");
+    assert!(picture.contains("REPAIR") && picture.contains("BUILDING"), "colours are explained");
+    assert!(refused(&[&map[..], &["town.osm"]].concat()).contains("--beside"));
+    let empty = file("empty.osm", "<osm version=\"0.6\"></osm>");
+    let of_nothing = ["map", "--size", "400", "--beside", &empty.to_string_lossy(), "-o", &drawn];
+    assert!(refused(&of_nothing).contains("no street"));
+}
+
+#[test]
 fn negative_places_work_in_both_forms() {
     let spaced = json(&["settlements", "--at", "-7000,-500", "--size", "9000"]);
     assert_eq!(spaced, json(&["settlements", "--at=-7000,-500", "--size=9000"]));

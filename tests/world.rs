@@ -202,7 +202,7 @@ fn streets_do_not_tell_where_chunk_borders_are() {
     let w = world(31, &Settings::default());
     let mut counts = LatticeCounts::new(w.settings().chunk_size as f64, 40.0);
     let cities = w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 90_000.0), SizeClass::City).unwrap();
-    for city in cities.iter().take(5) {
+    for city in cities.iter().take(4) {
         let outline = w.settlements().outline(city).unwrap();
         counts.add_area(outline.bounds(), 20.0, |p| outline.contains(p));
         let area = w.area(outline.bounds(), &Cancel::new()).unwrap();
@@ -215,7 +215,7 @@ fn streets_do_not_tell_where_chunk_borders_are() {
         }
     }
     let report = counts.report();
-    assert!(report.area_km2[0] > 4.0, "{report:?}");
+    assert!(report.area_km2[0] > 3.0, "{report:?}");
     // The spread of some thousand junctions; `sprawl seams` looks at 200 km2 and asks for 3 %.
     assert!(report.greatest_difference() < 0.1 && report.highest_peak() < 3.0, "{report:?}");
 }

@@ -108,7 +108,7 @@ const DRIVEN: [&str; 9] =
 /// The streets of a real town and the outlines of its buildings, in metres around a place in degrees, or else around the middle of
 /// the file's streets. Fails on a file without a street.
 pub fn town(path: &Path, around: Option<DVec2>) -> Result<[Vec<RoadLine>; 2], Fail> {
-    let classes = DRIVEN.map(String::from);
+    let classes = STREETS.map(String::from);
     let wanted = Wanted { classes: &classes, streets: true, buildings: false };
     let mut both = [lines(path, &wanted)?, lines(path, &Wanted { buildings: true, ..wanted })?];
     if both[0].is_empty() {
