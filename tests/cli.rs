@@ -202,6 +202,60 @@ fn stats_of_a_city_have_every_figure_and_no_fault() {
 }
 
 #[test]
+fn towns_are_held_against_real_ones() {
+    let path = file("towns.md", "");
+    let path = path.to_string_lossy();
+    let report = json(&["towns", "--seeds", "3..5", "--style", "grid", "--radius", "500", "-o", &path]);
+    let grid = &report["presets"]["grid"];
+    assert_eq!((grid["kind"].as_str(), grid["towns"].as_u64()), (Some("grid"), Some(2)), "{report}");
+    assert_eq!(report["towns"].as_array().map(Vec::len), Some(2));
+    for figure in "junctions_per_km2 street_km_per_km2 cnr mean_street_m circuity block_median_m2".split_whitespace() {
+        let figure = &grid["figures"][figure];
+        let [low, middle, high] = ["p10", "p50", "p90"].map(|p| figure[p].as_f64().expect("a number"));
+        assert!(0.0 < low && low <= middle && middle <= high, "{report}");
+    }
+    assert_eq!(grid["unmet_ports"], 0);
+    let page = std::fs::read_to_string(&*path).expect("a file");
+    assert!(page.contains("## grid") && page.contains("| junctions/km2 |"), "{page}");
+    assert!(refused(&["towns", "--style", "gothic"]).contains("gothic"));
+}
+
+#[test]
+fn the_expressive_range_is_that_of_the_paper() {
+    let folder = file("expressive", "");
+    let folder = folder.to_string_lossy();
+    let arguments = ["expressive-range", "--networks", "3", "-o", &folder];
+    let report = json(&arguments);
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(40));
+    assert!(report["share_in_the_papers_range"].as_f64() > Some(0.9), "{report}");
+    let trend = |i: usize| (report["trends"][i]["holds"].as_u64(), report["trends"][i]["of"].as_u64());
+    // Of three networks each, a mean or two may be off.
+    assert!(trend(0).1 == Some(32) && trend(0).0 >= Some(30), "{report}");
+    let lines = std::fs::read_to_string(format!("{folder}/expressive-range.csv")).expect("a file").lines().count();
+    assert_eq!(lines, 121);
+    for name in ["expressive-range.svg", "expressive-range-all.svg"] {
+        let figure = std::fs::read_to_string(format!("{folder}/{name}")).expect("a file");
+        assert!(figure.starts_with("<svg") && figure.contains("<polygon"), "{name}");
+    }
+    assert_eq!(report, json(&[&arguments[..], &["--threads", "1"]].concat()));
+}
+
+#[test]
+fn towns_of_every_kind_keep_every_promise_and_hide_the_chunks() {
+    let report = json(&["soak", "--towns", "5", "--seed", "77"]);
+    assert_eq!(report["towns"], 5, "{report}");
+    assert_eq!(report["findings"].as_array().map(Vec::len), Some(0), "{report}");
+    // Few towns tell little: the limits are wide.
+    let wide = ["--most-difference", "0.5", "--most-peak", "5"];
+    let report = json(&[&["seams", "--km2", "6", "--seed", "8"][..], &wide].concat());
+    let area = &report["figures"]["area_km2"];
+    assert!(area[0].as_f64() > Some(1.0) && area[1].as_f64() > Some(3.0), "{report}");
+    assert_eq!(report["fine"], true);
+    let refused = sprawl(&["seams", "--km2", "2", "--most-difference", "0"]);
+    assert_eq!(refused.status.code(), Some(1));
+}
+
+#[test]
 fn every_format_is_written_and_the_map_passes_a_strangers_check() {
     let at = city();
     let starts: [(&str, &[u8]); 5] = [
@@ -226,6 +280,34 @@ fn every_format_is_written_and_the_map_passes_a_strangers_check() {
             assert!(check.status.success(), "{name}: {}", String::from_utf8_lossy(&check.stdout));
         }
     }
+}
+
+#[test]
+fn a_real_town_is_drawn_beside_one_of_the_world() {
+    let node = |id: usize, x: f64, y: f64| format!("<node id=\"{id}\" lon=\"{}\" lat=\"{}\"/>", 8.0 + x, 49.0 + y);
+    let nodes: String = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)]
+        .iter()
+        .enumerate()
+        .map(|(i, (x, y))| node(i + 1, *x, *y))
+        .collect();
+    let way = |id: u32, refs: &[u32], tag: &str| {
+        let refs: String = refs.iter().map(|r| format!("<nd ref=\"{r}\"/>")).collect();
+        format!("<way id=\"{id}\">{refs}{tag}</way>")
+    };
+    let street = way(1, &[1, 2, 3], "<tag k=\"highway\" v=\"residential\"/>");
+    let house = way(2, &[1, 2, 3, 4, 1], "<tag k=\"building\" v=\"yes\"/>");
+    let real = file("real.osm", &format!("<osm version=\"0.6\">{nodes}{street}{house}</osm>"));
+    let (real, drawn) = (real.to_string_lossy(), file("beside.svg", ""));
+    let drawn = drawn.to_string_lossy();
+    let map = ["map", "--seed", "5", "--at", city(), "--size", "400", "--beside", &real, "-o"];
+    out(&[&map[..], &[&drawn, "--colour-by", "origin", "--pixels", "300"]].concat());
+    let picture = std::fs::read_to_string(&*drawn).expect("a file");
+    assert!(picture.contains("this world") && picture.contains("a real town"), "both are named");
+    assert!(picture.contains("REPAIR") && picture.contains("BUILDING"), "colours are explained");
+    assert!(refused(&[&map[..], &["town.osm"]].concat()).contains("--beside"));
+    let empty = file("empty.osm", "<osm version=\"0.6\"></osm>");
+    let of_nothing = ["map", "--size", "400", "--beside", &empty.to_string_lossy(), "-o", &drawn];
+    assert!(refused(&of_nothing).contains("no street"));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::network::LatticeCounts;
 use bevy_sprawl::region::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::terrain::{Raster, RasterTerrain, Terrain, TerrainSample};
@@ -194,6 +195,29 @@ fn cities_of_new_seeds_keep_every_promise() {
         assert_eq!(unreached_gates(&area, outline.origin, &outline.polygon), [], "seed {seed}");
         assert!(area.streets.len() > 300 && area.footprints.len() > 500, "seed {seed} has no city");
     }
+}
+
+#[test]
+fn streets_do_not_tell_where_chunk_borders_are() {
+    let w = world(31, &Settings::default());
+    let mut counts = LatticeCounts::new(w.settings().chunk_size as f64, 40.0);
+    let cities = w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 90_000.0), SizeClass::City).unwrap();
+    for city in cities.iter().take(4) {
+        let outline = w.settlements().outline(city).unwrap();
+        counts.add_area(outline.bounds(), 20.0, |p| outline.contains(p));
+        let area = w.area(outline.bounds(), &Cancel::new()).unwrap();
+        let inside = |p: DVec2| outline.contains(area.origin.to_plan(p));
+        for junction in area.junctions.iter().filter(|j| inside(j.it.at)) {
+            counts.add_junction(area.origin.to_plan(junction.it.at));
+        }
+        for street in area.streets.iter().map(|s| &s.it.street).filter(|s| inside(s.line[0])) {
+            counts.add_street(&street.line.iter().map(|p| area.origin.to_plan(*p)).collect::<Vec<_>>());
+        }
+    }
+    let report = counts.report();
+    assert!(report.area_km2[0] > 3.0, "{report:?}");
+    // The spread of some thousand junctions; `sprawl seams` looks at 200 km2 and asks for 3 %.
+    assert!(report.greatest_difference() < 0.1 && report.highest_peak() < 3.0, "{report:?}");
 }
 
 #[test]

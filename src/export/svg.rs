@@ -2,6 +2,7 @@
 
 mod furniture;
 
+use crate::chunk::PlacedStreet;
 use crate::export::relief::Relief;
 use crate::export::{ExportError, Plan, narrowest_first};
 use crate::network::{Street, StreetClass};
@@ -218,8 +219,7 @@ impl Sheet {
                 self.placed(&b.it.polygon).into_iter().map(|p| p + offset).collect()
             });
             groups.push(fill(shadows, "shadows", "#5b5348", None).set("fill-opacity", 0.3));
-            let tall = [(0, 3, "#d2bfa8"), (3, 6, "#c6ad93"), (6, u32::MAX, "#b59b82")];
-            for (from, to, colour) in tall {
+            for (from, to, colour) in BUILDINGS {
                 let of = buildings().filter(|b| (from..to).contains(&b.it.storeys));
                 let edge = (self.scale > 0.3).then_some("#8f7a64");
                 let thin = (0.15 * self.scale).clamp(0.2, 1.0);
@@ -249,7 +249,7 @@ impl Sheet {
                         group = self.stroke(group, over.into_iter().map(|s| &s.street), bridge);
                         if layer == Layer::Carriageway && self.colouring == Colouring::Origin {
                             for (made_by, colour) in ORIGINS {
-                                let of = plain.iter().filter(|s| origin_name(s.made_by) == made_by);
+                                let of = plain.iter().filter(|s| origin_name(s) == made_by);
                                 group = self.stroke(group, of.map(|s| &s.street), Pen { colour, ..pen });
                             }
                         } else {
@@ -319,18 +319,27 @@ enum Layer {
     Carriageway,
 }
 
-/// What makes streets, and the colour for it.
-const ORIGINS: [(&str, &str); 4] =
-    [("main", "#8d8779"), ("patch", "#3f7fbf"), ("growth", "#e8963a"), ("repair", "#d03a3a")];
+/// What makes streets, and the colour for it. Local streets that nothing here made are those of a real map.
+const ORIGINS: [(&str, &str); 5] = [
+    ("main", "#8d8779"),
+    ("patch", "#3f7fbf"),
+    ("growth", "#e8963a"),
+    ("repair", "#d03a3a"),
+    ("real local", "#ffffff"),
+];
 
-fn origin_name(made_by: Option<MadeBy>) -> &'static str {
-    match made_by {
+fn origin_name(placed: &PlacedStreet) -> &'static str {
+    match placed.made_by {
+        None if placed.street.class == StreetClass::Local => "real local",
         None => "main",
         Some(MadeBy::Patch(_)) => "patch",
         Some(MadeBy::Growth) => "growth",
         Some(MadeBy::Repair) => "repair",
     }
 }
+
+/// The fill of buildings up to a number of storeys.
+const BUILDINGS: [(u32, u32, &str); 3] = [(0, 3, "#d2bfa8"), (3, 6, "#c6ad93"), (6, u32::MAX, "#b59b82")];
 
 /// A number in hundredths.
 fn round(x: f64) -> f64 {

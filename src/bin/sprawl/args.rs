@@ -1,5 +1,6 @@
 //! Commands and their flags.
 
+use crate::towns::Kind;
 use bevy_sprawl::region::Populations;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec2;
@@ -55,6 +56,12 @@ pub enum Command {
     Digest(DigestArgs),
     /// Check a city of each of many worlds: ends, crossings, loose pieces, buildings on streets
     Soak(SoakArgs),
+    /// Count streets near chunk borders and away from them: nothing may tell where the borders are
+    Seams(SeamsArgs),
+    /// Measure towns of every style, and hold them against real ones
+    Towns(TownsArgs),
+    /// What the parametric generator can make: connectivity against density of many networks
+    ExpressiveRange(ExpressiveArgs),
     /// Roads between given settlements on given ground
     Roads(Box<RoadsArgs>),
     /// Check or draw patch sets
@@ -85,6 +92,12 @@ pub struct MapArgs {
     /// What the colours of streets say in an SVG or PNG
     #[arg(long, value_name = "WHAT", default_value = "class")]
     pub colour_by: ColourBy,
+    /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees
+    #[arg(long, value_name = "FILE")]
+    pub beside: Option<PathBuf>,
+    /// Middle of the real town [default: that of the file's streets]
+    #[arg(long, value_name = "LON,LAT", requires = "beside", allow_hyphen_values = true, value_parser = point)]
+    pub beside_at: Option<DVec2>,
     /// How much an SVG or PNG shows
     #[arg(long, value_name = "WHAT", default_value = "auto")]
     pub show: Show,
@@ -170,8 +183,12 @@ pub enum Order {
 #[derive(Args)]
 pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
-    #[arg(long, value_name = "A..B", value_parser = seed_range)]
-    pub seeds: Range<u64>,
+    #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
+    pub seeds: Option<Range<u64>>,
+    /// Check instead this many towns of every size and style, 12 to a world: seeds from that of `--seed` on
+    #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub towns: Option<u32>,
     /// Check each world with edits of every kind around its city, drawn from its seed; way points and pinned settlements are
     /// checked, too
     #[arg(long, conflicts_with = "edits")]
@@ -251,6 +268,48 @@ pub struct RoadsArgs {
 }
 
 #[derive(Args)]
+pub struct SeamsArgs {
+    /// Square kilometres of towns to count, around the origin
+    #[arg(long, value_name = "N", default_value = "200", value_parser = size)]
+    pub km2: f64,
+    /// Greatest difference between what is near borders and the rest, as a share
+    #[arg(long, value_name = "SHARE", default_value = "0.03", value_parser = number)]
+    pub most_difference: f64,
+    /// Greatest peak of the spectrum at the chunk's edge and its harmonics, over what is around them
+    #[arg(long, value_name = "RATIO", default_value = "3", value_parser = number)]
+    pub most_peak: f64,
+}
+
+#[derive(Args)]
+pub struct TownsArgs {
+    /// Seeds of the worlds, one town of each style in each, the end excluded
+    #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = seed_range)]
+    pub seeds: Range<u64>,
+    /// Names of styles [default: every style]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub style: Vec<String>,
+    /// Radius of a town in metres
+    #[arg(long, value_name = "M", default_value = "900", value_parser = radius)]
+    pub radius: f64,
+    /// Kind of real towns to compare with [default: what the style stands for]
+    #[arg(long, value_name = "KIND")]
+    pub kind: Option<Kind>,
+    /// File to write the tables to, as markdown
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct ExpressiveArgs {
+    /// Networks for each pair of a range of degrees and a least angle
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub networks: u64,
+    /// Folder to write `expressive-range.csv`, a figure of all pairs (`.svg`) and one of all networks (`-all.svg`) to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
 pub struct PatchesArgs {
     #[command(subcommand)]
     pub command: PatchesCommand,
@@ -304,6 +363,11 @@ fn populations(text: &str) -> Result<Populations, String> {
 fn size(text: &str) -> Result<f64, String> {
     let size = number(text)?;
     if size > 0.0 && size <= MOST { Ok(size) } else { Err(format!("more than 0 and at most {MOST} m is allowed")) }
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    let radius = number(text)?;
+    if (120.0..=5000.0).contains(&radius) { Ok(radius) } else { Err("120 to 5000 m is allowed".into()) }
 }
 
 fn seed_range(text: &str) -> Result<Range<u64>, String> {

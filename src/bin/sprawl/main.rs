@@ -1,15 +1,19 @@
 //! The command line: maps, figures, settlements and digests of a world, roads of a finite domain, and checks of patch sets.
 
 mod args;
+mod beside;
 mod digest;
 mod drawn;
+mod expressive;
 mod fail;
 mod map;
 mod patches;
 mod roads;
+mod seams;
 mod settlements;
 mod soak;
 mod stats;
+mod towns;
 mod windows;
 mod work;
 
@@ -36,6 +40,9 @@ fn main() -> ExitCode {
         Command::Digest(args) => digest::run(&cli.common, args),
         Command::Soak(args) if args.windows => windows::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
+        Command::Seams(args) => seams::run(&cli.common, args),
+        Command::Towns(args) => towns::run(&cli.common, args),
+        Command::ExpressiveRange(args) => expressive::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
     };

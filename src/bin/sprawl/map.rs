@@ -1,6 +1,7 @@
 //! `sprawl map`: draws or exports a square.
 
 use crate::args::{ColourBy, Common, DetailArg, MapArgs, Show};
+use crate::beside;
 use crate::fail::Fail;
 use crate::work;
 use bevy_sprawl::export::glb::PlacedMesh;
@@ -53,6 +54,9 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     if format == Format::Glb && args.size > GLB_MOST {
         return Err(Fail::input(format!("--size {} is too large for a GLB: at most {GLB_MOST} m", args.size)));
     }
+    if args.beside.is_some() && !matches!(format, Format::Svg | Format::Png) {
+        return Err(Fail::input("--beside needs a picture: a name that ends in .svg or .png"));
+    }
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
     // Before the work, not after it.
@@ -83,7 +87,17 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             ColourBy::Origin => Colouring::Origin,
         };
         let style = MapStyle { pixels: args.pixels, colouring, ..MapStyle::default() };
-        work::pool(common)?.install(|| write(&plan, format, &style, args.everything, &mut file))?;
+        let size = world.settings().chunk_size;
+        let real = args.beside.as_ref().map(|path| beside::area(path, args.beside_at, args.size, size)).transpose()?;
+        let draw = || match &real {
+            Some(real) => {
+                let real = Plan { area: real, outlines: &[], terrain: &beside::Plain, ..plan };
+                let [ours, theirs] = ["this world", "a real town"].map(|title| MapStyle { title, ..style });
+                write_pair([(&plan, &ours), (&real, &theirs)], format, &mut file)
+            }
+            None => write(&plan, format, &style, args.everything, &mut file),
+        };
+        work::pool(common)?.install(draw)?;
         for (key, count) in counts(&area) {
             report[key] = json!(count);
         }
@@ -119,6 +133,15 @@ pub fn write(
         Format::GeoJson => geojson::write(plan, file)?,
         Format::Osm => osm::write(plan, osm::Options { everything }, file)?,
         Format::Glb => {}
+    }
+    Ok(())
+}
+
+/// Writes two plans beside each other, as a picture.
+pub fn write_pair(plans: [(&Plan<'_>, &MapStyle); 2], format: Format, file: &mut dyn Write) -> Result<(), ExportError> {
+    match format {
+        Format::Svg => file.write_all(svg::write_pair(plans)?.as_bytes())?,
+        _ => file.write_all(&png::write_pair(plans)?)?,
     }
     Ok(())
 }

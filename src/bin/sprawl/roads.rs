@@ -2,15 +2,15 @@
 
 mod compare;
 mod ground;
-mod reference;
+pub mod reference;
 mod report;
 
 use crate::args::{Common, RoadsArgs};
 use crate::fail::Fail;
-use crate::map::{Format, Output, write};
+use crate::map::{Format, Output, write, write_pair};
 use crate::work;
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, ExportError, Plan, png, svg};
+use bevy_sprawl::export::{self, ExportError, Plan};
 use bevy_sprawl::layer::{FileError, from_ron};
 use bevy_sprawl::region::{NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementTable};
 use bevy_sprawl::space::Bounds;
@@ -20,7 +20,6 @@ use compare::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
 use ron::Value;
 use serde_json::json;
-use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -99,12 +98,7 @@ fn draw(plan: &Plan<'_>, format: Format, style: &MapStyle, beside: bool, out: &m
     let left = Plan { area: &theirs, outlines: &[], real: None, ..*plan };
     let right = Plan { real: None, ..*plan };
     let [first, second] = ["real roads", "these roads"].map(|title| MapStyle { title, ..*style });
-    let pair = [(&left, &first), (&right, &second)];
-    match format {
-        Format::Svg => out.write_all(svg::write_pair(pair)?.as_bytes())?,
-        _ => out.write_all(&png::write_pair(pair)?)?,
-    }
-    Ok(())
+    write_pair([(&left, &first), (&right, &second)], format, out)
 }
 
 /// The step that fits a raster, a domain and its settlements.

@@ -1,9 +1,10 @@
-//! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, against what the design
-//! promises.
+//! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, or towns of every size and
+//! style, against what the design promises.
 
 use crate::args::{Common, SoakArgs};
 use crate::drawn;
 use crate::fail::Fail;
+use crate::towns;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::network::JunctionId;
@@ -12,7 +13,9 @@ use bevy_sprawl::space::{Bounds, Seed};
 use bevy_sprawl::world::{Area, SettlementEdit, World, audit, unreached_gates};
 use glam::DVec2;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// A city is looked for in a square of this edge, in metres, around the origin.
@@ -22,11 +25,22 @@ const MARGIN: f64 = 250.0;
 /// Edge of the square that is checked around a way point, in metres.
 const AROUND: f64 = 3_000.0;
 
+/// Radii of villages, towns and cities that are drawn, in metres.
+const RADII: [(f64, f64); 3] = [(120.0, 340.0), (350.0, 800.0), (850.0, 1500.0)];
+/// Towns in a row and rows of towns that are drawn for a world, and the edge of the square that each has to itself, in metres.
+const CROWD: usize = 4;
+const APART: f64 = 5_500.0;
+/// Towns that are checked of these; for others there may be no ground.
+const CHECKED: u64 = 12;
+
 /// Runs the command. Findings make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
+    if let Some(towns) = args.towns {
+        return check_towns(common, &world, towns);
+    }
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
-    let seeds: Vec<u64> = args.seeds.clone().collect();
+    let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let cities = work::each(common, "checking cities", &seeds, |seed| {
         let with = |edits| World::with_edits(Seed(*seed), settings.clone(), assets.clone(), edits);
         // The settings and assets are those of a world that was made already.
@@ -72,6 +86,119 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     match findings.len() {
         0 => Ok(()),
         n => Err(Fail::World(format!("{n} findings in {found} cities"))),
+    }
+}
+
+/// A town that is drawn to be checked.
+struct Wish {
+    style: usize,
+    radius: f64,
+}
+
+/// A world with drawn towns pinned side by side around a place that its seed draws, and the towns that could stand there, each with
+/// its wish. What cannot stand in one place is tried in others.
+fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, LayerError> {
+    let mut stream = Seed(seed).stream("towns to check", &[]);
+    // Settings and assets are those of a world that was made already.
+    let with = |edits| World::with_edits(Seed(seed), plain.settings().clone(), plain.assets().clone(), edits).ok();
+    let Some(ground) = with(plain.edits().clone()) else { return Ok(None) };
+    let cell = |i: usize| DVec2::new((i % CROWD) as f64, (i / CROWD) as f64) * APART;
+    let dry =
+        |base: DVec2| (0..CROWD * CROWD).filter(|i| ground.terrain().sample(base + cell(*i)).depth() == 0.0).count();
+    let mut draw = || DVec2::new(stream.signed(), stream.signed()) * 200_000.0;
+    let mut base = draw();
+    for _ in 0..20 {
+        if dry(base) + 2 < CROWD * CROWD {
+            base = draw();
+        }
+    }
+    let sizes = (0..CROWD * CROWD).map(|_| stream.weighted(&[0.5, 0.35, 0.15]).unwrap_or(0)).collect::<Vec<_>>();
+    let wishes: Vec<Wish> = sizes
+        .iter()
+        .map(|s| Wish { style: stream.index(styles.len()), radius: stream.range(RADII[*s].0, RADII[*s].1).round() })
+        .collect();
+    let mut places: Vec<Option<DVec2>> = vec![None; wishes.len()];
+    let mut made = None;
+    for _ in 0..8 {
+        let mut edits = plain.edits().clone();
+        for (i, wish) in wishes.iter().enumerate() {
+            let jitter = DVec2::new(stream.signed(), stream.signed()) * ((APART - 3600.0) / 2.0);
+            let at = *places[i].get_or_insert((base + cell(i) + jitter).round());
+            let (size, style) = (towns::size_of(wish.radius), Some(styles[wish.style].clone()));
+            edits.settlements.push(SettlementEdit::Pin { at, size, name: None, style, radius: Some(wish.radius) });
+        }
+        let Some(world) = with(edits) else { return Ok(None) };
+        let mut standing = Vec::new();
+        for (i, place) in places.iter_mut().enumerate() {
+            let Some(at) = *place else { continue };
+            match world.settlements().at(at)?.filter(|t| t.centre.plan() == at) {
+                Some(town) => standing.push((i, town)),
+                None => *place = None,
+            }
+        }
+        let all = standing.len() == wishes.len();
+        made = Some((world, standing));
+        if all {
+            break;
+        }
+    }
+    Ok(made.map(|(world, towns)| Crowd { world, wishes, towns }))
+}
+
+/// What [`crowd`] makes: towns by the index of their wish.
+struct Crowd {
+    world: World,
+    wishes: Vec<Wish>,
+    towns: Vec<(usize, Arc<Settlement>)>,
+}
+
+/// Checks towns of all sizes and styles, some side by side in each of many worlds.
+fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
+    let styles: Vec<&String> = plain.assets().styles.keys().collect();
+    let batches: Vec<u64> = (0..u64::from(towns).div_ceil(CHECKED)).collect();
+    let checked = work::each(common, "checking towns", &batches, |i| {
+        let seed = common.seed.wrapping_add(*i);
+        let wanted = CHECKED.min(u64::from(towns) - i * CHECKED) as usize;
+        let Some(crowd) = crowd(plain, seed, &styles)? else { return Ok(Vec::new()) };
+        let mut out = Vec::new();
+        for (wish, town) in crowd.towns.iter().take(wanted) {
+            let Wish { style, radius } = crowd.wishes[*wish];
+            // A panic is a finding like others.
+            let panicked = |_| Ok(City { findings: vec![("Panic".to_owned(), town.centre.plan())], ..City::default() });
+            let city = catch_unwind(AssertUnwindSafe(|| check(&crowd.world, town))).unwrap_or_else(panicked)?;
+            out.push((seed, style, town.size, radius, city));
+        }
+        Ok(out)
+    })?;
+    let (mut findings, mut people) = (Vec::new(), String::new());
+    let mut of: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let (mut streets, mut buildings) = (0, 0);
+    for (seed, style, size, radius, city) in checked.iter().flatten() {
+        *of.entry((styles[*style], size.name())).or_default() += 1;
+        streets += city.streets;
+        buildings += city.buildings;
+        for (what, at) in &city.findings {
+            let style = styles[*style];
+            findings
+                .push(json!({ "seed": seed, "style": style, "radius_m": radius, "what": what, "x": at.x, "y": at.y }));
+            let _ = writeln!(people, "seed {seed}, {style}, radius {radius}: {what} at {},{}", at.x, at.y);
+        }
+    }
+    let found: usize = of.values().sum();
+    let kinds: Vec<Value> =
+        of.iter().map(|((style, size), n)| json!({ "style": style, "size": size, "towns": n })).collect();
+    for ((style, size), n) in &of {
+        let _ = writeln!(people, "{style:12} {size:8} {n:6}");
+    }
+    let _ = writeln!(people, "{found} towns, {streets} streets, {buildings} buildings: {} findings", findings.len());
+    let count = findings.len();
+    let report = json!({
+        "towns": found, "kinds": kinds, "streets": streets, "buildings": buildings, "findings": findings,
+    });
+    work::print(common, &report, &people)?;
+    match count {
+        0 => Ok(()),
+        n => Err(Fail::World(format!("{n} findings in {found} towns"))),
     }
 }
 

@@ -113,7 +113,7 @@ fn median(sorted: &[f64]) -> f64 {
 }
 
 /// Length of the part of a segment that lies in a box.
-fn length_inside(bounds: Bounds, a: DVec2, b: DVec2) -> f64 {
+pub fn length_inside(bounds: Bounds, a: DVec2, b: DVec2) -> f64 {
     let (mut from, mut to) = (0.0f64, 1.0f64);
     for axis in 0..2 {
         let (start, along, low, high) = (a[axis], b[axis] - a[axis], bounds.min[axis], bounds.max[axis]);

@@ -49,7 +49,7 @@ struct Compared {
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
-    let seeds: Vec<u64> = args.seeds.clone().collect();
+    let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let windows = work::each(common, "comparing windows", &seeds, |seed| {
         // The settings and assets are those of a world that was made already.
         let fresh = || World::new(Seed(*seed), settings.clone(), assets.clone()).ok();

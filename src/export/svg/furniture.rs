@@ -1,6 +1,6 @@
 //! What stands on a map besides the map: symbols, names, scale bar, legend and frame.
 
-use super::{Colouring, Layer, ORIGINS, Pen, Sheet, paths, round, trace};
+use super::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, paths, round, trace};
 use crate::export::{Plan, glyphs};
 use crate::network::{JunctionId, Street, StreetClass};
 use crate::region::{Settlement, SizeClass};
@@ -172,10 +172,15 @@ impl Sheet {
         let label = if metres >= 1000.0 { format!("{} km", metres / 1000.0) } else { format!("{metres} m") };
         group = group.add(self.write(&label, from + DVec2::new(0.0, -16.0 * unit), 13.0));
         if self.colouring == Colouring::Origin {
-            for (i, (name, colour)) in ORIGINS.iter().enumerate() {
+            // What is only on real maps needs no words there.
+            let entries = ORIGINS[..4].iter().copied().chain([("building", BUILDINGS[1].2)]);
+            let entries: Vec<_> = entries.collect();
+            let size = DVec2::new(210.0, 26.0 * entries.len() as f64 + 18.0) * unit;
+            group = group.add(self.card(from - DVec2::new(14.0, 38.0) * unit - DVec2::Y * size, size));
+            for (i, (name, colour)) in entries.into_iter().enumerate() {
                 let at = from - DVec2::new(0.0, (60.0 + 26.0 * i as f64) * unit);
                 group =
-                    group.add(box_of(at - DVec2::Y * 11.0 * unit, DVec2::new(28.0, 9.0) * unit).set("fill", *colour));
+                    group.add(box_of(at - DVec2::Y * 11.0 * unit, DVec2::new(28.0, 9.0) * unit).set("fill", colour));
                 group = group.add(self.write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit, 13.0));
             }
         }

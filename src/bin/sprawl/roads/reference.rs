@@ -4,7 +4,7 @@ use crate::fail::Fail;
 use bevy_sprawl::export::RoadLine;
 use bevy_sprawl::layer::FileError;
 use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::space::Geographic;
+use bevy_sprawl::space::{Bounds, Geographic};
 use geojson::{Feature, GeoJson, GeometryValue, Position};
 use glam::DVec2;
 use osmpbf::{Element, ElementReader};
@@ -17,13 +17,28 @@ use std::path::Path;
 type Tag<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// Which roads of a file are wanted.
+#[derive(Clone, Copy)]
 struct Wanted<'a> {
     classes: &'a [String],
+    /// As streets of a town: classes are those of towns.
+    streets: bool,
+    /// Outlines of buildings instead.
+    buildings: bool,
+}
+
+impl<'a> Wanted<'a> {
+    fn roads(classes: &'a [String]) -> Self {
+        Self { classes, streets: false, buildings: false }
+    }
 }
 
 impl Wanted<'_> {
     /// The road that a line with some tags is, if it is wanted.
     fn road(&self, tag: Tag<'_>, line: Vec<DVec2>) -> Option<RoadLine> {
+        if self.buildings {
+            let building = tag("building").is_some_and(|b| b != "no") && line.len() > 1;
+            return building.then_some(RoadLine { class: StreetClass::Local, bridge: false, tunnel: false, line });
+        }
         let highway = tag("highway")?;
         let class = highway.strip_suffix("_link").unwrap_or(&highway);
         if line.len() < 2 || !self.classes.iter().any(|c| c == class) {
@@ -31,7 +46,10 @@ impl Wanted<'_> {
         }
         let is = |key: &str| tag(key).is_some_and(|v| v != "no");
         let class = match class {
+            "primary" | "secondary" if self.streets => StreetClass::Arterial,
+            "tertiary" if self.streets => StreetClass::Main,
             "motorway" | "trunk" => StreetClass::Highway,
+            _ if self.streets => StreetClass::Local,
             "primary" | "secondary" => StreetClass::Major,
             _ => StreetClass::Minor,
         };
@@ -42,9 +60,8 @@ impl Wanted<'_> {
 /// Reads the roads of some classes (values of the tag `highway`) from a file; `geographic` makes plan metres of degrees. A
 /// GeoJSON file without it is in plan metres. Fails on a file without any such road.
 pub fn read(path: &Path, classes: &[String], geographic: Option<&Geographic>) -> Result<Vec<RoadLine>, Fail> {
-    let wanted = Wanted { classes };
+    let wanted = Wanted::roads(classes);
     let name = path.to_string_lossy().to_ascii_lowercase();
-    let content = || std::fs::read(path).map_err(|e| Fail::file(path, e));
     let is_osm = name.ends_with(".osm") || name.ends_with(".pbf");
     if is_osm && geographic.is_none() {
         return Err(Fail::file(
@@ -52,15 +69,7 @@ pub fn read(path: &Path, classes: &[String], geographic: Option<&Geographic>) ->
             "OpenStreetMap has degrees; the ground must be in degrees too, with --geographic",
         ));
     }
-    let mut roads = if name.ends_with(".pbf") {
-        pbf(path, &content()?, &wanted)?
-    } else if name.ends_with(".osm") {
-        xml(path, &content()?, &wanted)?
-    } else if name.ends_with(".geojson") || name.ends_with(".json") {
-        json(path, &content()?, &wanted)?
-    } else {
-        return Err(Fail::file(path, "unknown kind of file; the name must end in .osm .osm.pbf .geojson"));
-    };
+    let mut roads = lines(path, &wanted)?;
     if roads.is_empty() {
         return Err(Fail::file(path, format!("no road of the classes {}", classes.join(","))));
     }
@@ -75,6 +84,41 @@ pub fn read(path: &Path, classes: &[String], geographic: Option<&Geographic>) ->
         }
     }
     Ok(roads)
+}
+
+/// The wanted lines of a file, as it has them.
+fn lines(path: &Path, wanted: &Wanted<'_>) -> Result<Vec<RoadLine>, Fail> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let content = || std::fs::read(path).map_err(|e| Fail::file(path, e));
+    if name.ends_with(".pbf") {
+        pbf(path, &content()?, wanted)
+    } else if name.ends_with(".osm") {
+        xml(path, &content()?, wanted)
+    } else if name.ends_with(".geojson") || name.ends_with(".json") {
+        json(path, &content()?, wanted)
+    } else {
+        Err(Fail::file(path, "unknown kind of file; the name must end in .osm .osm.pbf .geojson"))
+    }
+}
+
+/// Ways that cars drive on in towns.
+const DRIVEN: [&str; 9] =
+    ["motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential", "living_street", "road"];
+
+/// The streets of a real town and the outlines of its buildings, in metres around a place in degrees, or else around the middle of
+/// the file's streets. Fails on a file without a street.
+pub fn town(path: &Path, around: Option<DVec2>) -> Result<[Vec<RoadLine>; 2], Fail> {
+    let classes = STREETS.map(String::from);
+    let wanted = Wanted { classes: &classes, streets: true, buildings: false };
+    let mut both = [lines(path, &wanted)?, lines(path, &Wanted { buildings: true, ..wanted })?];
+    if both[0].is_empty() {
+        return Err(Fail::file(path, "no street"));
+    }
+    let all = Bounds::of(both[0].iter().flat_map(|r| r.line.iter().copied()));
+    let geographic = Some(around.unwrap_or(all.centre())).filter(|p| p.is_finite()).and_then(Geographic::around);
+    let geographic = geographic.ok_or_else(|| Fail::file(path, "its middle is no place in degrees"))?;
+    both.iter_mut().flatten().flat_map(|r| &mut r.line).for_each(|p| *p = geographic.to_plan(*p));
+    Ok(both)
 }
 
 /// Ways by their nodes: points that are missing, as where an extract was cut, part a way.
@@ -216,7 +260,7 @@ mod tests {
     #[test]
     fn ways_of_an_osm_file_are_read_and_parted_where_nodes_are_missing() {
         let classes = wanted();
-        let read = |text: &str| xml(Path::new("r.osm"), text.as_bytes(), &Wanted { classes: &classes });
+        let read = |text: &str| xml(Path::new("r.osm"), text.as_bytes(), &Wanted::roads(&classes));
         assert_eq!(read(XML).unwrap(), expected());
         let Err(Fail::Input(line)) = read(&XML.replacen("lon='1.2'", "lon='x'", 1)) else { panic!() };
         assert_eq!(line, "r.osm:5:2: a node needs the numbers id, lon and lat");
@@ -265,7 +309,7 @@ mod tests {
         let data = [field(1, &table), field(2, &group)].concat();
         let file = [blob("OSMHeader", &field(4, b"OsmSchema-V0.6")), blob("OSMData", &data)].concat();
         let classes = wanted();
-        let read = |content: &[u8]| pbf(Path::new("r.osm.pbf"), content, &Wanted { classes: &classes });
+        let read = |content: &[u8]| pbf(Path::new("r.osm.pbf"), content, &Wanted::roads(&classes));
         let found = read(&file).unwrap();
         for (road, expected) in found.iter().zip(expected()) {
             assert_eq!((road.class, road.bridge), (expected.class, true));
@@ -281,7 +325,7 @@ mod tests {
     #[test]
     fn lines_of_geojson_with_and_without_a_class() {
         let classes = wanted();
-        let read = |text: &str| json(Path::new("r.geojson"), text.as_bytes(), &Wanted { classes: &classes });
+        let read = |text: &str| json(Path::new("r.geojson"), text.as_bytes(), &Wanted::roads(&classes));
         let lines = "{\"type\":\"MultiLineString\",\"coordinates\":[[[0,1],[2,3]],[[4,5,6],[7,8,9]],[[1,1]]]}";
         let bare = read(lines).unwrap();
         assert_eq!(

@@ -1,0 +1,227 @@
+//! `sprawl expressive-range`: what the parametric generator can make (Teng 2017, section 4.2): connectivity against density
+//! over the least angle and the degrees of junctions.
+
+mod plot;
+
+use crate::args::{Common, ExpressiveArgs};
+use crate::fail::Fail;
+use crate::map::Output;
+use crate::stats::length_inside;
+use crate::work;
+use bevy_sprawl::network::{GrowthRules, PlanarGraph, VertexIx, grow};
+use bevy_sprawl::space::{Bounds, Seed};
+use glam::DVec2;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Ranges of degrees, in the order of the paper's rows.
+const DEGREES: [(usize, usize); 8] = [(2, 3), (2, 4), (2, 5), (3, 3), (3, 4), (3, 5), (4, 4), (4, 5)];
+/// Least angles in degrees.
+const ANGLES: [u32; 5] = [50, 60, 70, 80, 90];
+/// Edge of the square that is measured, in metres.
+const EDGE: f64 = 1000.0;
+/// Networks grow this far beyond it, in metres, so that their rim is not counted.
+const RIM: f64 = 100.0;
+/// What the paper's networks lie between: density in km/km2, and connectivity.
+const PAPER: [(f64, f64); 2] = [(15.0, 55.0), (0.6, 1.0)];
+
+/// Figures of one network.
+#[derive(Clone, Copy)]
+struct Network {
+    panel: usize,
+    index: u64,
+    density: f64,
+    cnr: f64,
+    junctions: usize,
+    dead_ends: usize,
+}
+
+/// The parameters of a panel.
+fn parameters(panel: usize) -> ((usize, usize), u32) {
+    (DEGREES[panel / ANGLES.len()], ANGLES[panel % ANGLES.len()])
+}
+
+/// Runs the command.
+pub fn run(common: &Common, args: &ExpressiveArgs) -> Result<(), Fail> {
+    let folder = |name: &str| args.output.as_ref().map(|f| f.join(name));
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).map_err(|e| Fail::file(folder, e))?;
+    }
+    // Before the work, not after it.
+    let open = |name: &str| folder(name).map(|path| Output::create(&path)).transpose();
+    let files = [open("expressive-range.csv")?, open("expressive-range.svg")?, open("expressive-range-all.svg")?];
+    let panels = DEGREES.len() * ANGLES.len();
+    let jobs: Vec<(u64, usize)> = (0..args.networks).flat_map(|i| (0..panels).map(move |p| (i, p))).collect();
+    let networks = work::each(common, "growing networks", &jobs, |(i, panel)| Ok(network(common.seed, *panel, *i)))?;
+    let all: Vec<Vec<Network>> =
+        (0..panels).map(|p| networks.iter().filter(|n| n.panel == p).copied().collect()).collect();
+    let points = |of: &[Network]| of.iter().map(|n| (n.density, n.cnr)).collect::<Vec<_>>();
+    let [csv, figure, combined] = files;
+    let write = |file: Option<Output>, text: &dyn Fn() -> Result<String, Fail>| {
+        let Some(mut file) = file else { return Ok(()) };
+        file.write_all(text()?.as_bytes())?;
+        file.finish().map(|_| ())
+    };
+    write(csv, &|| Ok(table(&networks)))?;
+    let panels: Vec<(String, Vec<(f64, f64)>)> = all.iter().enumerate().map(|(p, of)| (title(p), points(of))).collect();
+    write(figure, &|| plot::panels(&panels, ANGLES.len()))?;
+    write(combined, &|| plot::panels(&[("All networks".to_owned(), points(&networks))], 1))?;
+    let means: Vec<[f64; 4]> = all.iter().map(|of| moments(of)).collect();
+    let trends = trends(&means);
+    let report = json!({
+        "networks": args.networks,
+        "panels": means.iter().enumerate().map(|(p, m)| panel_json(p, m)).collect::<Vec<_>>(),
+        "density": range(networks.iter().map(|n| n.density)),
+        "cnr": range(networks.iter().map(|n| n.cnr)),
+        "share_in_the_papers_range": share(&networks),
+        "trends": trends.iter().map(|(what, holds, of)| json!({ "what": what, "holds": holds, "of": of })).collect::<Vec<_>>(),
+    });
+    work::print(common, &report, &people(&report, &means))
+}
+
+fn title(panel: usize) -> String {
+    let ((low, high), angle) = parameters(panel);
+    format!("degree {low}-{high}, {angle}°")
+}
+
+/// Grows one network with the values that the paper keeps fixed, and measures it.
+fn network(seed: u64, panel: usize, index: u64) -> Network {
+    let (degree, angle) = parameters(panel);
+    let rules = GrowthRules { degree, min_angle: f64::from(angle).to_radians(), ..GrowthRules::default() };
+    let mut stream = Seed(seed).stream("expressive range", &[panel as u64, index]);
+    let square = Bounds::square(DVec2::ZERO, EDGE);
+    let graph: PlanarGraph<()> = grow(&rules, square.grown(RIM), &mut stream);
+    let length = graph.edges().fold(0.0, |sum, (e, _)| {
+        let (a, b) = graph.segment(e);
+        sum + length_inside(square, a, b)
+    });
+    let inside = || graph.vertices().filter(|v: &VertexIx| square.contains(graph.at(*v)));
+    let count = |of: &dyn Fn(usize) -> bool| inside().filter(|v| of(graph.degree(*v))).count();
+    let (junctions, dead_ends) = (count(&|d| d >= 3), count(&|d| d == 1));
+    let cnr = junctions as f64 / (junctions + dead_ends).max(1) as f64;
+    Network { panel, index, density: length / 1e3 / (EDGE * EDGE / 1e6), cnr, junctions, dead_ends }
+}
+
+/// Mean and standard deviation of density, then of connectivity.
+fn moments(of: &[Network]) -> [f64; 4] {
+    let n = of.len().max(1) as f64;
+    let both = |value: &dyn Fn(&Network) -> f64| {
+        let mean = of.iter().fold(0.0, |sum, x| sum + value(x)) / n;
+        let variance = of.iter().fold(0.0, |sum, x| sum + (value(x) - mean) * (value(x) - mean)) / n;
+        [mean, variance.sqrt()]
+    };
+    let ([a, b], [c, d]) = (both(&|x| x.density), both(&|x| x.cnr));
+    [a, b, c, d]
+}
+
+fn panel_json(panel: usize, [density, density_sd, cnr, cnr_sd]: &[f64; 4]) -> Value {
+    let ((low, high), angle) = parameters(panel);
+    json!({
+        "degree": [low, high], "min_angle_deg": angle,
+        "density": density, "density_sd": density_sd, "cnr": cnr, "cnr_sd": cnr_sd,
+    })
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+/// Share of the networks that lie where the paper's do.
+fn share(networks: &[Network]) -> f64 {
+    let within =
+        |n: &&Network| (PAPER[0].0..=PAPER[0].1).contains(&n.density) && (PAPER[1].0..=PAPER[1].1).contains(&n.cnr);
+    networks.iter().filter(within).count() as f64 / networks.len().max(1) as f64
+}
+
+/// What the paper observes, and in how many of the comparisons between the means of panels it holds.
+fn trends(means: &[[f64; 4]]) -> Vec<(&'static str, usize, usize)> {
+    let columns = ANGLES.len();
+    let at = |row: usize, column: usize| means[row * columns + column];
+    let row_of = |degree| DEGREES.iter().position(|d| *d == degree).unwrap_or(0);
+    let count = |of: Vec<bool>| (of.iter().filter(|x| **x).count(), of.len());
+    let beside = || (0..DEGREES.len()).flat_map(|r| (1..columns).map(move |c| (r, c)));
+    let cnr = count(beside().map(|(r, c)| at(r, c)[2] < at(r, c - 1)[2]).collect());
+    let thin = count(beside().map(|(r, c)| at(r, c)[0] < at(r, c - 1)[0]).collect());
+    // Rows with one least degree, and with one greatest.
+    let rises = [
+        ((2, 3), (2, 4)),
+        ((2, 4), (2, 5)),
+        ((3, 3), (3, 4)),
+        ((3, 4), (3, 5)),
+        ((4, 4), (4, 5)),
+        ((2, 3), (3, 3)),
+        ((2, 4), (3, 4)),
+        ((3, 4), (4, 4)),
+        ((2, 5), (3, 5)),
+        ((3, 5), (4, 5)),
+    ];
+    let dense = |columns: std::ops::Range<usize>| {
+        let pairs = rises.iter().flat_map(|(a, b)| columns.clone().map(|c| (row_of(*a), row_of(*b), c)));
+        count(pairs.map(|(a, b, c)| at(b, c)[0] > at(a, c)[0]).collect())
+    };
+    let drop = count((0..columns - 1).map(|c| at(row_of((3, 3)), c)[0] < at(row_of((2, 5)), c)[0]).collect());
+    let spread = |c: usize| {
+        let [low, high] = range((0..DEGREES.len()).map(|r| at(r, c)[0]));
+        high - low
+    };
+    let steady = count((0..columns - 1).map(|c| spread(columns - 1) < spread(c)).collect());
+    let line = |what, (holds, of): (usize, usize)| (what, holds, of);
+    vec![
+        line("a greater least angle lowers the connectivity", cnr),
+        line("a greater least angle lowers the density", thin),
+        line("higher degrees raise the density, 50 to 80 degrees", dense(0..columns - 1)),
+        line("the density drops from degrees 2-5 to 3-3", drop),
+        line("at 90 degrees the density varies less over degrees than at smaller angles", steady),
+    ]
+}
+
+fn table(networks: &[Network]) -> String {
+    let mut out =
+        String::from("degree_min,degree_max,min_angle_deg,network,density_km_per_km2,cnr,junctions,dead_ends\n");
+    let mut sorted: Vec<&Network> = networks.iter().collect();
+    sorted.sort_by_key(|n| (n.panel, n.index));
+    for n in sorted {
+        let ((low, high), angle) = parameters(n.panel);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{low},{high},{angle},{},{:.4},{:.4},{},{}",
+            n.index, n.density, n.cnr, n.junctions, n.dead_ends
+        );
+    }
+    out
+}
+
+fn people(report: &Value, means: &[[f64; 4]]) -> String {
+    let mut out = String::from("mean density in km/km2 and mean connected node ratio by least angle\n  degrees");
+    ANGLES.iter().for_each(|a| out += &format!(" {:>13}", format!("{a}°")));
+    for (r, (low, high)) in DEGREES.iter().enumerate() {
+        let _ = write!(out, "\n  {low}-{high}    ");
+        for c in 0..ANGLES.len() {
+            let m = means[r * ANGLES.len() + c];
+            let _ = write!(out, " {:>13}", format!("{:.1} / {:.2}", m[0], m[2]));
+        }
+    }
+    let number = |v: &Value| v.as_f64().unwrap_or(0.0);
+    let (density, cnr) = (&report["density"], &report["cnr"]);
+    let _ = writeln!(
+        out,
+        "\n{} networks a cell: density {:.1} to {:.1} km/km2 (paper {} to {}), CNR {:.2} to {:.2} (paper {} to {}); {:.1} % lie in the paper's range",
+        report["networks"],
+        number(&density[0]),
+        number(&density[1]),
+        PAPER[0].0,
+        PAPER[0].1,
+        number(&cnr[0]),
+        number(&cnr[1]),
+        PAPER[1].0,
+        PAPER[1].1,
+        number(&report["share_in_the_papers_range"]) * 100.0
+    );
+    for trend in report["trends"].as_array().into_iter().flatten() {
+        let what = trend["what"].as_str().unwrap_or_default();
+        let _ = writeln!(out, "{what}: {} of {}", trend["holds"], trend["of"]);
+    }
+    out
+}
