@@ -1,6 +1,7 @@
 //! Hexagonal-bin plots of connectivity against density, as Figs. 9 and 10 of Teng 2017.
 
 use crate::fail::Fail;
+use bevy_sprawl::space::math::ln;
 use plotters::prelude::*;
 use std::collections::BTreeMap;
 
@@ -53,8 +54,8 @@ pub fn panels(panels: &[(String, Vec<(f64, f64)>)], columns: usize) -> Result<St
 
 /// From light to dark by the logarithm of the count, as bins differ by orders of magnitude.
 fn shade(count: usize, most: usize) -> RGBColor {
-    let t = ((count as f32).log2() / (most.max(2) as f32).log2()).clamp(0.0, 1.0);
-    let mix = |from: f32, to: f32| (from + (to - from) * t) as u8;
+    let t = (ln(count as f64) / ln(most.max(2) as f64)).clamp(0.0, 1.0);
+    let mix = |from: f64, to: f64| (from + (to - from) * t) as u8;
     RGBColor(mix(198.0, 8.0), mix(219.0, 48.0), mix(239.0, 107.0))
 }
 

@@ -101,9 +101,19 @@ fn lines(path: &Path, wanted: &Wanted<'_>) -> Result<Vec<RoadLine>, Fail> {
     }
 }
 
-/// Ways that cars drive on in towns.
-const DRIVEN: [&str; 9] =
-    ["motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential", "living_street", "road"];
+/// Ways that are streets of towns.
+const STREETS: [&str; 10] = [
+    "motorway",
+    "trunk",
+    "primary",
+    "secondary",
+    "tertiary",
+    "unclassified",
+    "residential",
+    "living_street",
+    "pedestrian",
+    "road",
+];
 
 /// The streets of a real town and the outlines of its buildings, in metres around a place in degrees, or else around the middle of
 /// the file's streets. Fails on a file without a street.
