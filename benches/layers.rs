@@ -64,7 +64,8 @@ fn layers(c: &mut Criterion) {
         let (outline, gates) = (&seamed.town.outline, &seamed.town.gates);
         b.iter(|| town::plan(world.seed(), &city, outline, gates.clone(), kit, &**world.terrain(), &never))
     });
-    c.bench_function("seam/all of a city", |b| b.iter(|| seam::seams(world.seed(), &seamed.town, kit, &[])));
+    let styles = vec![&**kit; seamed.town.cells.len()];
+    c.bench_function("seam/all of a city", |b| b.iter(|| seam::seams(world.seed(), &seamed.town, &styles, &[])));
     c.bench_function("streets/all cells of a city", |b| {
         b.iter_batched(
             || world.forget_chunks(),
