@@ -12,6 +12,9 @@ const SEARCH_STEP: f64 = 4.0;
 /// Least distance of a port from the ends of its street, in metres.
 const LEAST_END: f64 = 30.0;
 
+/// Least share of crossings (as [`crate::town::SeamRules::crossing`]) along borders: towns that touch have streets in common.
+const BORDER_CROSSING: f64 = 0.4;
+
 /// A place with what attaches to it.
 #[derive(Clone, Copy, Debug)]
 struct Attached {
@@ -140,7 +143,8 @@ fn seam(seed: Seed, brink: &Brink) -> Vec<Attached> {
     let (left, right) = (of(&brink.left), of(&brink.right));
     let place = |list: &[(Spot, StreetClass)]| list.iter().map(|(s, c)| (s.along, *c)).collect::<Vec<_>>();
     // Where two styles meet, the middle of both.
-    let cutoff = brink.kerbs().map(|k| cutoff(k.style)).sum::<f64>() / brink.kerbs().count().max(1) as f64;
+    let cutoff =
+        brink.kerbs().map(|k| cutoff(k.style, brink.shared)).sum::<f64>() / brink.kerbs().count().max(1) as f64;
     let min_spacing = brink.kerbs().map(|k| k.style.seam.min_spacing).fold(0.0, f64::max);
     let pairs = pair(&place(&left), &place(&right), cutoff);
     let mut crossings = Vec::new();
@@ -217,9 +221,10 @@ fn settle(brink: &Brink, along: f64, reach: f64, good: impl Fn(&Spot) -> bool) -
         .find_map(|s| Spot::near(&brink.line, s).filter(|spot| inner(spot) && good(spot)))
 }
 
-/// Distance along the street up to which proposals of the two sides become one crossing.
-fn cutoff(style: &Style) -> f64 {
-    style.seam.crossing * style.seam.spacing
+/// Distance along the street up to which proposals of the two sides become one crossing; `shared` along a border.
+fn cutoff(style: &Style, shared: bool) -> f64 {
+    let least = if shared { BORDER_CROSSING } else { 0.0 };
+    style.seam.crossing.max(least) * style.seam.spacing
 }
 
 /// PatchCity's cost of joining two streets across a seam (section 3.1, equations 2 to 4).
@@ -290,7 +295,9 @@ fn supply_cells(own: Across<'_>, brinks: &[Brink], all: &mut [Vec<Attached>]) {
                 Hand::Left => &brink.left,
                 Hand::Right => &brink.right,
             };
-            let Some(kerb) = kerb.as_ref().filter(|_| !brink.shared) else { continue };
+            let Some(kerb) = kerb.as_ref().filter(|_| !brink.shared) else {
+                continue;
+            };
             let end = style.seam.min_spacing;
             let good = |s: &Spot| {
                 let new = Attached::one(*s, hand, StreetClass::Local);
