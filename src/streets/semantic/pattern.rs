@@ -114,9 +114,9 @@ impl Work<'_> {
         let (mut i, mut laid) = (0, 0);
         while i + per_element <= run.len() && laid < times {
             let ports = &run[i..i + per_element];
-            let fits = match ports {
-                &[a] => self.lay_at_port(&patch, element, (one, a), scale, &pattern),
-                &[a, b] => self.lay_between_ports(&patch, element, [(one, a), (last, b)], scale, &pattern),
+            let fits = match *ports {
+                [a] => self.lay_at_port(&patch, element, (one, a), scale, &pattern),
+                [a, b] => self.lay_between_ports(&patch, element, [(one, a), (last, b)], scale, &pattern),
                 _ => false,
             };
             laid += u32::from(fits);
