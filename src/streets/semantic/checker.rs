@@ -130,7 +130,7 @@ impl Checker {
             let fits = self.joint_fits(canvas, p, &mut joint, limits) && {
                 self.measure_around(canvas, &mut joint, reach);
                 let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
-                (joint.edge == NONE || keeps_off_walls(&joint, near)) && (!divides || parts_stay_apart(&joint, near))
+                !divides || (keeps_off_walls(&joint, near) && parts_stay_apart(&joint, near))
             };
             self.joints.push(joint);
             if !fits {

@@ -5,7 +5,7 @@ use super::Work;
 use super::place::Placement;
 use super::proposal::Join;
 use crate::network::VertexIx;
-use crate::patch::{Patch, Pattern};
+use crate::patch::{Patch, Pattern, keeps_rules};
 use crate::space::math::turn;
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -240,7 +240,7 @@ impl Work<'_> {
         p.points = (0..used.len()).filter(keep).map(|i| p.points[i]).collect();
         p.joins = (0..used.len()).filter(keep).map(|i| joins[i]).collect();
         p.edges.iter_mut().for_each(|e| *e = (slot[e.0], slot[e.1]));
-        !p.edges.is_empty()
+        !p.edges.is_empty() && keeps_rules(&p.points, &p.edges, 1.0)
     }
 
     /// A pattern in a row between two ports that face each other.
