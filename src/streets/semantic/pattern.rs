@@ -297,19 +297,27 @@ impl Work<'_> {
             }
             let end = is_last.then_some(last as VertexIx);
             let built = self.lay_element(element, at, target, end);
-            let Some(next) = built else {
+            let Some(reached) = built else {
                 for stub in stubs {
                     self.canvas.add_stub(stub.a, stub.b);
                 }
                 return k > 0;
             };
+            let Some(next) = reached else { return true };
             at = next;
         }
         true
     }
 
-    /// Lays an element between `v` and the place `target`, or the port `end` there; the vertex at its end.
-    fn lay_element(&mut self, element: usize, v: VertexIx, target: DVec2, end: Option<VertexIx>) -> Option<VertexIx> {
+    /// Lays an element between `v` and the place `target`, or the port `end` there; if it fits, the vertex at
+    /// its end, or `None` inside where that met a street before.
+    fn lay_element(
+        &mut self,
+        element: usize,
+        v: VertexIx,
+        target: DVec2,
+        end: Option<VertexIx>,
+    ) -> Option<Option<VertexIx>> {
         if self.weight(element) <= 0.0 {
             return None;
         }
@@ -347,7 +355,7 @@ impl Work<'_> {
                 let reached = reached.min_by(|x, y| near(x).total_cmp(&near(y)).then(x.cmp(y)));
                 let reached = reached.filter(|w| near(w) < 1.0);
                 self.after_patch(element);
-                return end.or(reached);
+                return Some(end.or(reached));
             }
         }
         None
@@ -367,7 +375,8 @@ impl Work<'_> {
         for laid in 0..self.times(pattern) {
             let from = self.canvas.graph.at(at);
             match self.lay_element(element, at, from + direction * (length * scale), None) {
-                Some(next) => at = next,
+                Some(Some(next)) => at = next,
+                Some(None) => return true,
                 None => return laid > 0,
             }
         }
