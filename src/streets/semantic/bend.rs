@@ -56,7 +56,7 @@ impl Work<'_> {
                 slopes[i] = slope(is[i] + bent) - slope(is[i]);
             }
         }
-        (left <= self.most_turn).then(|| (slopes, 1.0 - 0.5 * left * left))
+        (left <= self.most_turn).then_some((slopes, 1.0 - 0.5 * left * left))
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod bend;
 mod canvas;
+mod checker;
 mod free;
 mod growth;
 mod output;
@@ -26,9 +27,10 @@ use crate::space::{Bounds, Stream, math};
 use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
 use canvas::{Canvas, Near};
+use checker::Checker;
 use glam::DVec2;
 use pinned::Laid;
-use proposal::{Checker, Join, Limits, Proposal};
+use proposal::{Join, Limits, Proposal};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -99,7 +101,12 @@ impl<'a> Work<'a> {
         let local = &brief.style.local;
         let min_angle = local.min_angle_deg.to_radians();
         // Blocks much narrower than the style's streets are long look pinched.
-        let gap = local.clearance.max(0.55 * local.length);
+        let share = match brief.style.main.field {
+            FieldKind::Grid => 0.6,
+            FieldKind::Radial => 0.68,
+            FieldKind::Organic | FieldKind::Contours => 0.55,
+        };
+        let gap = local.clearance.max(share * local.length);
         let limits = Limits {
             gap,
             wall_gap: gap,

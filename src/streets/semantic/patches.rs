@@ -20,11 +20,11 @@ const LEAST_CORE: f64 = 0.3;
 /// What a loose end more that a placement meets adds to its rating, as a share.
 const MET: f64 = 0.5;
 
-const CHECKED: usize = 24;
-const RATED: usize = 4;
+const CHECKED: usize = 14;
+const RATED: usize = 3;
 
 /// Placements of one patch that are checked exactly.
-const TRIED: usize = 3;
+const TRIED: usize = 2;
 
 impl Work<'_> {
     /// Weight of a patch in choices: less with every use, 0 once it was used as often as it may be or if it breaks the

@@ -5,7 +5,7 @@ use super::Work;
 use super::place::Placement;
 use super::proposal::Join;
 use crate::network::VertexIx;
-use crate::patch::{Patch, Pattern};
+use crate::patch::{Patch, Pattern, keeps_rules};
 use crate::space::math::turn;
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -114,9 +114,9 @@ impl Work<'_> {
         let (mut i, mut laid) = (0, 0);
         while i + per_element <= run.len() && laid < times {
             let ports = &run[i..i + per_element];
-            let fits = match ports {
-                &[a] => self.lay_at_port(&patch, element, (one, a), scale, &pattern),
-                &[a, b] => self.lay_between_ports(&patch, element, [(one, a), (last, b)], scale, &pattern),
+            let fits = match *ports {
+                [a] => self.lay_at_port(&patch, element, (one, a), scale, &pattern),
+                [a, b] => self.lay_between_ports(&patch, element, [(one, a), (last, b)], scale, &pattern),
                 _ => false,
             };
             laid += u32::from(fits);
@@ -240,7 +240,7 @@ impl Work<'_> {
         p.points = (0..used.len()).filter(keep).map(|i| p.points[i]).collect();
         p.joins = (0..used.len()).filter(keep).map(|i| joins[i]).collect();
         p.edges.iter_mut().for_each(|e| *e = (slot[e.0], slot[e.1]));
-        !p.edges.is_empty()
+        !p.edges.is_empty() && keeps_rules(&p.points, &p.edges, 1.0)
     }
 
     /// A pattern in a row between two ports that face each other.
@@ -297,19 +297,27 @@ impl Work<'_> {
             }
             let end = is_last.then_some(last as VertexIx);
             let built = self.lay_element(element, at, target, end);
-            let Some(next) = built else {
+            let Some(reached) = built else {
                 for stub in stubs {
                     self.canvas.add_stub(stub.a, stub.b);
                 }
                 return k > 0;
             };
+            let Some(next) = reached else { return true };
             at = next;
         }
         true
     }
 
-    /// Lays an element between `v` and the place `target`, or the port `end` there; the vertex at its end.
-    fn lay_element(&mut self, element: usize, v: VertexIx, target: DVec2, end: Option<VertexIx>) -> Option<VertexIx> {
+    /// Lays an element between `v` and the place `target`, or the port `end` there; if it fits, the vertex at
+    /// its end, or `None` inside where that met a street before.
+    fn lay_element(
+        &mut self,
+        element: usize,
+        v: VertexIx,
+        target: DVec2,
+        end: Option<VertexIx>,
+    ) -> Option<Option<VertexIx>> {
         if self.weight(element) <= 0.0 {
             return None;
         }
@@ -347,7 +355,7 @@ impl Work<'_> {
                 let reached = reached.min_by(|x, y| near(x).total_cmp(&near(y)).then(x.cmp(y)));
                 let reached = reached.filter(|w| near(w) < 1.0);
                 self.after_patch(element);
-                return end.or(reached);
+                return Some(end.or(reached));
             }
         }
         None
@@ -367,7 +375,8 @@ impl Work<'_> {
         for laid in 0..self.times(pattern) {
             let from = self.canvas.graph.at(at);
             match self.lay_element(element, at, from + direction * (length * scale), None) {
-                Some(next) => at = next,
+                Some(Some(next)) => at = next,
+                Some(None) => return true,
                 None => return laid > 0,
             }
         }

@@ -4,7 +4,8 @@
 use super::Work;
 use super::bend::Bend;
 use super::canvas::{NONE, Seg, nearest};
-use super::proposal::{Join, Limits, Proposal, WEDGE};
+use super::checker::WEDGE;
+use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
 use crate::space::{Bounds, cut_line, segment_crossing};

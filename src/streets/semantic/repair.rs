@@ -246,7 +246,7 @@ impl Work<'_> {
     /// Lays a street across a block, from one of its local streets to another.
     fn divide(&mut self, face: &Face, edges: &[Option<EdgeIx>]) -> bool {
         let bounds = Bounds::of(face.polygon.iter().copied());
-        self.canvas.gather(bounds, 1.0, &mut self.near);
+        self.canvas.gather(bounds, 20.0, &mut self.near);
         let middle = centroid(&face.polygon);
         let limits = Limits { gap: self.limits.gap, wall_gap: self.limits.wall_gap, ..self.relaxed };
         let reach = bounds.size().length();

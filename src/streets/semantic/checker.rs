@@ -1,0 +1,399 @@
+//! Every street of a cell, from a patch, from growth or from repair, is checked here against the same rules before it is
+//! built (the connect and clip checks of Teng 2017, section 3.3), so the rules hold for the finished cell.
+
+use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::proposal::{Join, Limits, Proposal};
+use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
+use crate::seam::STUB_LENGTH;
+use crate::space::{math::angle_between, segment_crossing};
+use glam::DVec2;
+
+/// Least distance of a dead end from any street that it does not join.
+const DEAD_END_FLOOR: f64 = 13.0;
+
+/// Distance from a loose end that may still be led into the street: room for a street of the least length.
+const TIP_GAP: f64 = 19.0;
+
+/// Streets may be near each other where they are near along the network as well: at this share of that distance.
+pub(super) const WEDGE: f64 = 0.5;
+
+/// An edge near a joint along the network, with the distances of its ends along the network.
+#[derive(Clone, Copy)]
+struct Reached {
+    edge: EdgeIx,
+    va: VertexIx,
+    from_a: f64,
+    from_b: f64,
+}
+
+/// Where a proposal meets the graph, and what is near there along the network.
+#[derive(Default)]
+struct Joint {
+    point: usize,
+    at: DVec2,
+    vertex: VertexIx,
+    edge: EdgeIx,
+    is_port: bool,
+    reached: Vec<Reached>,
+    shared: Vec<EdgeIx>,
+    ports: Vec<(DVec2, f64)>,
+}
+
+impl Joint {
+    fn incident(&self, s: &Seg) -> bool {
+        !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
+    }
+
+    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
+    fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
+        let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
+        let around = around.fold(f64::INFINITY, f64::min);
+        let through = self.reached.iter().filter(|x| {
+            let (va, vb) = (canvas.graph.edge(x.edge).a, canvas.graph.edge(x.edge).b);
+            x.edge == other.edge || (other.vertex != NONE && (va == other.vertex || vb == other.vertex))
+        });
+        let through = through.map(|x| {
+            let e = canvas.graph.edge(x.edge);
+            let (da, db) = if x.va == e.a { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
+            (da + canvas.graph.at(e.a).distance(other.at)).min(db + canvas.graph.at(e.b).distance(other.at))
+        });
+        through.fold(around, f64::min)
+    }
+
+    /// Distance along the network from the joint to the point `r` of an obstacle.
+    fn along(&self, s: &Seg, r: DVec2) -> f64 {
+        if s.is_wall() {
+            return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
+        }
+        if self.edge == s.edge {
+            return self.at.distance(r);
+        }
+        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
+            let x = &self.reached[x];
+            let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
+            (da + s.a.distance(r)).min(db + s.b.distance(r))
+        })
+    }
+}
+
+/// Checks proposals; keeps its buffers between them.
+#[derive(Default)]
+pub(super) struct Checker {
+    joints: Vec<Joint>,
+    spare: Vec<Joint>,
+    roots: Vec<u32>,
+    degrees: Vec<u8>,
+    frontier: Vec<(VertexIx, f64)>,
+    /// For each edge and vertex the search that saw it last, and its place there.
+    edges_seen: Vec<(u32, u32)>,
+    vertices_seen: Vec<(u32, u32)>,
+    search: u32,
+}
+
+impl Checker {
+    /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
+    /// within the gaps around it. A proposal must keep the rules inside itself.
+    pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+        self.find_joints(canvas, p, near, limits)
+            && p.edges.iter().enumerate().all(|(i, _)| self.edge_fits(canvas, p, i, near, limits))
+    }
+
+    /// Finds the joints; false where one of them breaks a rule.
+    fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+        self.spare.append(&mut self.joints);
+        self.roots.clear();
+        self.roots.resize(p.edges.len(), 0);
+        self.degrees.clear();
+        self.degrees.resize(p.points.len(), 0);
+        for (a, b) in &p.edges {
+            self.degrees[*a] = self.degrees[*a].saturating_add(1);
+            self.degrees[*b] = self.degrees[*b].saturating_add(1);
+        }
+        let joints = (0..p.points.len()).filter(|i| p.joined(*i)).count();
+        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
+        let reach = if joints > 1 { gaps.max(limits.min_round) } else { gaps };
+        for point in 0..p.points.len() {
+            if !p.joined(point) {
+                continue;
+            }
+            if self.joints.len() >= 32 || self.degrees[point] != 1 {
+                return false;
+            }
+            let mut joint = self.spare.pop().unwrap_or_default();
+            (joint.point, joint.at, joint.is_port) = (point, p.points[point], false);
+            (joint.vertex, joint.edge) = match p.joins[point] {
+                Join::At(v) => (v, NONE),
+                Join::On(e) => (NONE, e),
+                Join::Free(_) => (NONE, NONE),
+            };
+            let fits = self.joint_fits(canvas, p, &mut joint, limits) && {
+                self.measure_around(canvas, &mut joint, reach);
+                let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
+                !divides || (keeps_off_walls(&joint, near) && parts_stay_apart(&joint, near))
+            };
+            self.joints.push(joint);
+            if !fits {
+                return false;
+            }
+        }
+        self.joints.iter().enumerate().all(|(i, j)| {
+            self.joints[..i].iter().all(|k| {
+                let apart = j.at.distance(k.at);
+                let same = (j.vertex != NONE && j.vertex == k.vertex) || apart < limits.min_piece;
+                !same && {
+                    let way = j.way_to(k, canvas);
+                    apart + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
+                }
+            })
+        })
+    }
+
+    /// Checks angles, degree and the lengths of the pieces at a joint, and marks the edges that lead to it.
+    fn joint_fits(&mut self, canvas: &Canvas, p: &Proposal, joint: &mut Joint, limits: &Limits) -> bool {
+        let g = &canvas.graph;
+        let Some(first) = p.edges.iter().position(|(a, b)| *a == joint.point || *b == joint.point) else {
+            return false;
+        };
+        let towards = |i: usize, from: usize| if p.edges[i].0 == from { p.edges[i].1 } else { p.edges[i].0 };
+        let direction = p.points[towards(first, joint.point)] - joint.at;
+        let bit = 1u32 << self.joints.len();
+        let (mut at, mut edge, mut length) = (joint.point, first, 0.0);
+        loop {
+            self.roots[edge] |= bit;
+            let next = towards(edge, at);
+            length += p.points[at].distance(p.points[next]);
+            at = next;
+            if self.degrees[at] != 2 {
+                break;
+            }
+            let mut on = p.edges.iter().enumerate().filter(|(_, (a, b))| *a == at || *b == at).map(|(i, _)| i);
+            let (Some(one), Some(two)) = (on.next(), on.next()) else { break };
+            edge = if one == edge { two } else { one };
+            if self.roots[edge] & bit != 0 {
+                break;
+            }
+        }
+        let piece = |length: f64| length >= limits.min_piece;
+        if joint.vertex != NONE {
+            let v = joint.vertex;
+            let degree = g.degree(v);
+            if canvas.nodes[v as usize].port.is_some() {
+                joint.is_port = true;
+                return degree == 0 && piece(length);
+            }
+            if degree == 0 || degree >= limits.max_degree {
+                return false;
+            }
+            if g.smallest_angle(v, direction) < if degree == 1 { limits.min_bend } else { limits.min_angle } {
+                return false;
+            }
+            degree == 1
+                || (piece(length)
+                    && (degree > 2 || g.edges_at(v).iter().all(|e| piece(canvas.follow(v, *e, |_| {}).1))))
+        } else {
+            let e = g.edge(joint.edge);
+            piece(length)
+                && [e.a, e.b].into_iter().all(|end| {
+                    let to_end = g.at(end) - joint.at;
+                    let rest = if canvas.is_end(end) {
+                        0.0
+                    } else {
+                        let next = g.edges_at(end).iter().copied().find(|x| *x != joint.edge);
+                        next.map_or(0.0, |x| canvas.follow(end, x, |_| {}).1)
+                    };
+                    angle_between(direction, to_end) >= limits.min_angle && piece(to_end.length() + rest)
+                })
+        }
+    }
+
+    /// Finds what is near a joint along the network, up to `reach`.
+    fn measure_around(&mut self, canvas: &Canvas, joint: &mut Joint, reach: f64) {
+        let g = &canvas.graph;
+        joint.reached.clear();
+        joint.shared.clear();
+        joint.ports.clear();
+        self.frontier.clear();
+        if joint.vertex != NONE {
+            self.frontier.push((joint.vertex, 0.0));
+            for &e in g.edges_at(joint.vertex) {
+                let (end, _) = canvas.follow(joint.vertex, e, |x| joint.shared.push(x));
+                if g.degree(joint.vertex) == 1 {
+                    // The proposal goes on with this street, and so meets what meets it at its other end.
+                    for &other in g.edges_at(end) {
+                        canvas.follow(end, other, |x| joint.shared.push(x));
+                    }
+                }
+            }
+        } else {
+            let e = g.edge(joint.edge);
+            joint.shared.push(joint.edge);
+            for (end, at) in [(e.a, g.at(e.a)), (e.b, g.at(e.b))] {
+                self.frontier.push((end, joint.at.distance(at)));
+                if !canvas.is_end(end) {
+                    for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
+                        canvas.follow(end, next, |x| joint.shared.push(x));
+                    }
+                }
+            }
+        }
+        self.search = self.search.wrapping_add(1);
+        let search = self.search;
+        if self.vertices_seen.len() < g.vertex_count() {
+            self.vertices_seen.resize(g.vertex_count(), (0, 0));
+        }
+        for (i, (v, _)) in self.frontier.iter().enumerate() {
+            self.vertices_seen[*v as usize] = (search, i as u32);
+        }
+        // Shortest paths over the few vertices in reach: each is settled when it is the nearest left.
+        let mut settled = 0;
+        while settled < self.frontier.len() {
+            let rest = &self.frontier[settled..];
+            let Some(least) = (0..rest.len()).min_by(|a, b| rest[*a].1.total_cmp(&rest[*b].1)) else { break };
+            self.frontier.swap(settled, settled + least);
+            for i in [settled, settled + least] {
+                self.vertices_seen[self.frontier[i].0 as usize].1 = i as u32;
+            }
+            let (v, d) = self.frontier[settled];
+            settled += 1;
+            if canvas.nodes[v as usize].port.is_some() {
+                joint.ports.push((g.at(v), d));
+            }
+            for &edge in g.edges_at(v) {
+                let w = g.edge(edge).other(v);
+                let far = d + g.at(v).distance(g.at(w));
+                if self.edges_seen.len() <= edge as usize {
+                    self.edges_seen.resize(edge as usize + 1, (0, 0));
+                }
+                let seen = &mut self.edges_seen[edge as usize];
+                let known = if seen.0 == search { joint.reached.get_mut(seen.1 as usize) } else { None };
+                match known {
+                    Some(x) if x.va == v => x.from_a = x.from_a.min(d),
+                    Some(x) => x.from_b = x.from_b.min(d),
+                    None => {
+                        *seen = (search, joint.reached.len() as u32);
+                        joint.reached.push(Reached { edge, va: v, from_a: d, from_b: far });
+                    }
+                }
+                if far > reach {
+                    continue;
+                }
+                let seen = &mut self.vertices_seen[w as usize];
+                if seen.0 == search {
+                    let known = &mut self.frontier[seen.1 as usize].1;
+                    *known = known.min(far);
+                } else {
+                    *seen = (search, self.frontier.len() as u32);
+                    self.frontier.push((w, far));
+                }
+            }
+        }
+        joint.reached.sort_unstable_by_key(|x| x.edge);
+    }
+
+    fn edge_fits(&self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
+        let (i, j) = p.edges[index];
+        let (a, b) = (p.points[i], p.points[j]);
+        let widest = limits.gap.max(limits.wall_gap).max(20.0);
+        let (low, high) = (a.min(b) - widest, a.max(b) + widest);
+        let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
+        let (open_a, open_b) = (open(i), open(j));
+        'obstacles: for s in &near.segs {
+            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
+                continue;
+            }
+            let dead = |v: VertexIx| v != NONE && canvas.is_dead_end(v) && self.joints.iter().all(|j| j.vertex != v);
+            let tip = |r: DVec2| {
+                let may_go_on = |v: VertexIx, at: DVec2| r == at && dead(v) && canvas.nodes[v as usize].open;
+                may_go_on(s.va, s.a) || may_go_on(s.vb, s.b)
+            };
+            for joint in self.joints.iter().filter(|x| x.point == i || x.point == j) {
+                if joint.incident(s) {
+                    // They meet at the joint, at an angle that was checked; only loose ends can be too near.
+                    let (far, loose) = if joint.point == i { (b, open_b) } else { (a, open_a) };
+                    if loose && nearest(far, s.a, s.b).distance(far) < DEAD_END_FLOOR {
+                        return false;
+                    }
+                    for (v, at) in [(s.va, s.a), (s.vb, s.b)] {
+                        if dead(v) && nearest(at, a, b).distance(at) < DEAD_END_FLOOR {
+                            return false;
+                        }
+                    }
+                    continue 'obstacles;
+                }
+                if joint.is_port && s.is_wall() && nearest(joint.at, s.a, s.b).distance(joint.at) < 0.01 {
+                    // The main street that the port lies on.
+                    let (far, loose) = if joint.point == i { (b, open_b) } else { (a, open_a) };
+                    if (loose || far.distance(joint.at) > STUB_LENGTH) && loose_end_near(far, s) {
+                        return false;
+                    }
+                    continue 'obstacles;
+                }
+            }
+            if segment_crossing(a, b, s.a, s.b).is_some() {
+                return false;
+            }
+            let pairs = [
+                (a, nearest(a, s.a, s.b), open_a),
+                (b, nearest(b, s.a, s.b), open_b),
+                (nearest(s.a, a, b), s.a, dead(s.va)),
+                (nearest(s.b, a, b), s.b, dead(s.vb)),
+            ];
+            for (q, r, loose) in pairs {
+                let distance = q.distance(r);
+                if distance < widest && distance < self.needed(index, s, q, r, loose, limits) {
+                    // A street may pass a loose end that can be led into it.
+                    if !tip(r) || distance < TIP_GAP.min(limits.gap) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// Distance that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
+    fn needed(&self, index: usize, s: &Seg, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+        let mut along = f64::INFINITY;
+        let (mut shared, mut from_port) = (false, false);
+        for (k, joint) in self.joints.iter().enumerate() {
+            let away = q.distance(joint.at);
+            if away < 1e-3 {
+                return 0.0;
+            }
+            along = along.min(away + joint.along(s, r));
+            let root = self.roots[index] & (1 << k) != 0;
+            shared |= root && joint.shared.contains(&s.edge);
+            from_port |= root && joint.is_port && away < STUB_LENGTH;
+        }
+        let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
+        let mut needed = base.min(WEDGE * along);
+        if s.is_wall() {
+            if !from_port {
+                needed = needed.max(s.floor);
+            }
+        } else if !shared {
+            needed = needed.max(STREET_FLOOR);
+        }
+        if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
+    }
+}
+
+/// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
+/// must keep away from it.
+fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
+    near.segs.iter().all(|s| {
+        s.is_wall()
+            || joint.shared.contains(&s.edge)
+            || nearest(joint.at, s.a, s.b).distance_squared(joint.at) >= STREET_FLOOR * STREET_FLOOR
+    })
+}
+
+/// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
+fn keeps_off_walls(joint: &Joint, near: &Near) -> bool {
+    near.segs.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
+}
+
+fn loose_end_near(end: DVec2, s: &Seg) -> bool {
+    nearest(end, s.a, s.b).distance(end) < s.floor
+}
