@@ -302,7 +302,7 @@ fn a_real_town_is_drawn_beside_one_of_the_world() {
     let map = ["map", "--seed", "5", "--at", city(), "--size", "400", "--beside", &real, "-o"];
     out(&[&map[..], &[&drawn, "--colour-by", "origin", "--pixels", "300"]].concat());
     let picture = std::fs::read_to_string(&*drawn).expect("a file");
-    assert!(picture.contains("this world") && picture.contains("a real town"), "both are named");
+    assert!(picture.contains("THIS WORLD") && picture.contains("A REAL TOWN"), "both are named");
     assert!(picture.contains("REPAIR") && picture.contains("BUILDING"), "colours are explained");
     assert!(refused(&[&map[..], &["town.osm"]].concat()).contains("--beside"));
     let empty = file("empty.osm", "<osm version=\"0.6\"></osm>");
