@@ -288,9 +288,9 @@ pub struct TownsArgs {
     /// Names of styles [default: every style]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub style: Vec<String>,
-    /// Radius of a town in metres
-    #[arg(long, value_name = "M", default_value = "900", value_parser = radius)]
-    pub radius: f64,
+    /// Radius of a town in metres [default: 340 for villages, 900 for others]
+    #[arg(long, value_name = "M", value_parser = radius)]
+    pub radius: Option<f64>,
     /// Kind of real towns to compare with [default: what the style stands for]
     #[arg(long, value_name = "KIND")]
     pub kind: Option<Kind>,

@@ -56,10 +56,13 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     }
     let mut file = args.output.as_deref().map(Output::create).transpose()?;
     let kind = |style: &String| args.kind.unwrap_or_else(|| Kind::of(&world.assets().styles[style]));
+    let radius = |style: &String| args.radius.unwrap_or_else(|| kind(style).radius());
     let jobs: Vec<(u64, usize)> =
         args.seeds.clone().flat_map(|seed| (0..styles.len()).map(move |s| (seed, s))).collect();
     let towns = work::each(common, "measuring towns", &jobs, |(seed, style)| {
-        let Some((world, town)) = stand(&world, *seed, &styles[*style], args.radius)? else { return Ok(None) };
+        let Some((world, town)) = stand(&world, *seed, &styles[*style], radius(&styles[*style]))? else {
+            return Ok(None);
+        };
         measured(&world, &town).map(|m| Some(Measured { style: *style, seed: *seed, ..m }))
     })?;
     let towns: Vec<Measured> = towns.into_iter().flatten().collect();
@@ -67,13 +70,14 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     let mut people = String::new();
     for (i, style) in styles.iter().enumerate() {
         let of: Vec<&Measured> = towns.iter().filter(|t| t.style == i).collect();
-        let report = preset(&of, kind(style));
+        let mut report = preset(&of, kind(style));
+        report["radius_m"] = json!(radius(style));
         people += &table(style, &report);
         presets.insert(style.clone(), report);
     }
     let list: Vec<Value> = towns.iter().map(|t| town_json(t, &styles[t.style])).collect();
     let report = json!({
-        "seeds": [args.seeds.start, args.seeds.end], "radius_m": args.radius, "presets": presets, "towns": list,
+        "seeds": [args.seeds.start, args.seeds.end], "presets": presets, "towns": list,
     });
     if let Some(mut file) = file.take() {
         file.write_all(markdown(args, &report).as_bytes())?;
@@ -283,12 +287,12 @@ fn table(style: &str, report: &Value) -> String {
 /// All styles as one page of markdown.
 fn markdown(args: &TownsArgs, report: &Value) -> String {
     let mut out = String::from("# Bundled styles against real streets\n\n");
-    let (seeds, radius) = (&args.seeds, args.radius);
+    let seeds = &args.seeds;
     let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
     let _ = write!(
         out,
-        "Written by `sprawl towns --seeds {}..{} --radius {radius} -o FILE`: one town of each style for each seed, a circle of \
-         {radius} m on even ground\nthat the seed draws, of which the square kilometre in the middle is measured as [OSMnx](https://\
+        "Written by `sprawl towns --seeds {}..{} -o FILE`: one town of each style for each seed, a circle on even \
+         ground\nthat the seed draws, of which the square kilometre in the middle is measured as [OSMnx](https://\
          github.com/gboeing/osmnx) does: the simplified graph,\nvertices in the square with their true degree, streets \
          between these, area within 100 m of the streets with holes filled. Values are p10 - p50 - p90.\nReal ones are \
          about 40 city centres of each kind, measured the same way; for suburbs and villages a few single places, the band from \
@@ -299,8 +303,9 @@ fn markdown(args: &TownsArgs, report: &Value) -> String {
     for (style, of) in report["presets"].as_object().into_iter().flatten() {
         let _ = write!(
             out,
-            "\n## {style}\n\n{} towns; kind {}.\n\n| figure | centre | real | in | whole | |\n|---|---|---|---|---|---|\n",
+            "\n## {style}\n\n{} towns with a radius of {} m; kind {}.\n\n| figure | centre | real | in | whole | |\n|---|---|---|---|---|---|\n",
             of["towns"],
+            of["radius_m"],
             text(&of["kind"])
         );
         for figure in &FIGURES {

@@ -25,12 +25,15 @@ impl Kind {
         match (style.name.as_str(), style.main.field) {
             ("suburb", _) => Self::Suburb,
             ("village", _) => Self::Village,
-            ("european", _) => Self::Hybrid,
             (_, FieldKind::Grid) => Self::Grid,
             (_, FieldKind::Radial) => Self::Hybrid,
-            (_, FieldKind::Organic) => Self::Organic,
-            (_, FieldKind::Contours) => Self::Suburb,
+            (_, FieldKind::Organic | FieldKind::Contours) => Self::Organic,
         }
+    }
+
+    /// Radius in metres of towns to measure.
+    pub fn radius(self) -> f64 {
+        if self == Self::Village { 340.0 } else { 900.0 }
     }
 
     /// Lower-case name.
