@@ -13,6 +13,9 @@ pub(super) const WALL_MARGIN: f64 = 4.0;
 /// Least distance from an open side of the cell.
 const OPEN_SIDE: f64 = 14.0;
 
+/// Least cross product, in square metres, of what is surely beside a line; rounding errors are far smaller.
+const BESIDE: f64 = 1e-6;
+
 /// Stands for "no edge" and "no vertex" in a [`Seg`].
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -64,6 +67,17 @@ impl Seg {
         self.edge == NONE
     }
 
+    /// Whether it surely lies to one side of the line through `from` along `step`, by so much that no rounding matters.
+    pub fn is_beside(&self, from: DVec2, step: DVec2) -> bool {
+        let (a, b) = (step.perp_dot(self.a - from), step.perp_dot(self.b - from));
+        a.min(b) > BESIDE || a.max(b) < -BESIDE
+    }
+
+    /// Whether its box and the box from `low` to `high` are apart.
+    pub fn is_apart(&self, low: DVec2, high: DVec2) -> bool {
+        low.x > self.high.x || self.low.x > high.x || low.y > self.high.y || self.low.y > high.y
+    }
+
     /// Whether `v` is one of its ends.
     pub fn ends_at(&self, v: VertexIx) -> bool {
         self.va == v || self.vb == v
@@ -96,10 +110,11 @@ impl Near {
     /// First obstacle that the segment `from`-`to` meets: its index, and parameter and position on the segment. What
     /// ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(usize, f64, DVec2)> {
-        let (low, high) = (from.min(to), from.max(to));
+        let (mut low, mut high) = (from.min(to), from.max(to));
+        let step = to - from;
         let mut best: Option<(usize, f64, DVec2)> = None;
         for (i, s) in self.segs.iter().enumerate() {
-            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
+            if s.is_apart(low, high) || s.is_beside(from, step) {
                 continue;
             }
             // At a port, the main street is left as well.
@@ -112,6 +127,8 @@ impl Near {
                 && best.is_none_or(|b| x.t < b.1)
             {
                 best = Some((i, x.t, x.at));
+                // What lies beyond, by more than rounding, is not met first.
+                (low, high) = (from.min(x.at) - BESIDE, from.max(x.at) + BESIDE);
             }
         }
         best
