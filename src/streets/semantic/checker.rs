@@ -2,11 +2,12 @@
 //! built (the connect and clip checks of Teng 2017, section 3.3), so the rules hold for the finished cell.
 
 use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
 use super::proposal::{Join, Limits, Proposal};
-use crate::network::{EdgeIx, VertexIx};
+use crate::network::VertexIx;
 use crate::patch::STREET_FLOOR;
 use crate::seam::STUB_LENGTH;
-use crate::space::{math::angle_between, segment_crossing};
+use crate::space::segment_crossing;
 use glam::DVec2;
 
 /// Least distance of a dead end from any street that it does not join.
@@ -20,65 +21,6 @@ pub(super) const WEDGE: f64 = 0.5;
 
 /// More than the rounding errors of distances, in metres.
 const ROUNDING: f64 = 1e-6;
-
-/// An edge near a joint along the network, with the distances of its ends along the network.
-#[derive(Clone, Copy)]
-struct Reached {
-    edge: EdgeIx,
-    va: VertexIx,
-    from_a: f64,
-    from_b: f64,
-}
-
-/// Where a proposal meets the graph, and what is near there along the network.
-#[derive(Default)]
-struct Joint {
-    point: usize,
-    at: DVec2,
-    vertex: VertexIx,
-    edge: EdgeIx,
-    is_port: bool,
-    reached: Vec<Reached>,
-    shared: Vec<EdgeIx>,
-    ports: Vec<(DVec2, f64)>,
-}
-
-impl Joint {
-    fn incident(&self, s: &Seg) -> bool {
-        !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
-    }
-
-    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
-    fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
-        let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
-        let around = around.fold(f64::INFINITY, f64::min);
-        let through = self.reached.iter().filter(|x| {
-            let (va, vb) = (canvas.graph.edge(x.edge).a, canvas.graph.edge(x.edge).b);
-            x.edge == other.edge || (other.vertex != NONE && (va == other.vertex || vb == other.vertex))
-        });
-        let through = through.map(|x| {
-            let e = canvas.graph.edge(x.edge);
-            let (da, db) = if x.va == e.a { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
-            (da + canvas.graph.at(e.a).distance(other.at)).min(db + canvas.graph.at(e.b).distance(other.at))
-        });
-        through.fold(around, f64::min)
-    }
-
-    /// Distance along the network from the joint to the point `r` of an obstacle.
-    fn along(&self, s: &Seg, r: DVec2) -> f64 {
-        if s.is_wall() {
-            return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
-        }
-        if self.edge == s.edge {
-            return self.at.distance(r);
-        }
-        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
-            let x = &self.reached[x];
-            let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
-            (da + s.a.distance(r)).min(db + s.b.distance(r))
-        })
-    }
-}
 
 /// A point of a proposal's edge that may be too near a point of an obstacle: that depends on ways along the network.
 struct Doubt {
@@ -205,18 +147,15 @@ impl Checker {
             }
         }
         let piece = |length: f64| length >= limits.min_piece;
+        if !joint_angle_fits(canvas, p.joins[joint.point], joint.at, direction, limits) {
+            return false;
+        }
         if joint.vertex != NONE {
             let v = joint.vertex;
             let degree = g.degree(v);
             if canvas.nodes[v as usize].port.is_some() {
                 joint.is_port = true;
-                return degree == 0 && piece(length);
-            }
-            if degree == 0 || degree >= limits.max_degree {
-                return false;
-            }
-            if g.smallest_angle(v, direction) < if degree == 1 { limits.min_bend } else { limits.min_angle } {
-                return false;
+                return piece(length);
             }
             degree == 1
                 || (piece(length)
@@ -225,14 +164,13 @@ impl Checker {
             let e = g.edge(joint.edge);
             piece(length)
                 && [e.a, e.b].into_iter().all(|end| {
-                    let to_end = g.at(end) - joint.at;
                     let rest = if canvas.is_end(end) {
                         0.0
                     } else {
                         let next = g.edges_at(end).iter().copied().find(|x| *x != joint.edge);
                         next.map_or(0.0, |x| canvas.follow(end, x, |_| {}).1)
                     };
-                    angle_between(direction, to_end) >= limits.min_angle && piece(to_end.length() + rest)
+                    piece(g.at(end).distance(joint.at) + rest)
                 })
         }
     }
@@ -342,12 +280,12 @@ impl Checker {
         let (i, j) = p.edges[index];
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
-        let (low, high) = (a.min(b) - widest, a.max(b) + widest);
+        let reach = near.reach(a.min(b) - widest, a.max(b) + widest);
         let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         let far = (widest + ROUNDING) * (widest + ROUNDING);
         'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
-            if s.is_apart(low, high) {
+            if !s.hull.overlaps(reach) {
                 continue;
             }
             let dead = |v: VertexIx| v != NONE && canvas.is_dead_end(v) && self.joints.iter().all(|j| j.vertex != v);
@@ -449,21 +387,6 @@ impl Checker {
         }
         if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
     }
-}
-
-/// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
-/// must keep away from it.
-fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| {
-        s.is_wall()
-            || joint.shared.contains(&s.edge)
-            || nearest(joint.at, s.a, s.b).distance_squared(joint.at) >= STREET_FLOOR * STREET_FLOOR
-    })
-}
-
-/// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
-fn keeps_off_walls(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
 }
 
 fn loose_end_near(end: DVec2, s: &Seg) -> bool {

@@ -62,7 +62,8 @@ impl FreeGrid {
         for y in y0..y1 {
             let py = corner.y + y as f32 * STEP as f32;
             let row = y * self.columns;
-            for (x, cell) in (x0..x1).zip(&mut self.room[row + x0.min(x1)..row + x1]) {
+            // Numbers of 32 bits become floats several at once.
+            for (x, cell) in (x0 as i32..x1 as i32).zip(&mut self.room[row + x0.min(x1)..row + x1]) {
                 let px = corner.x + x as f32 * STEP as f32;
                 let t = (px * ab.x + py * ab.y) * per_length;
                 let t = if t < 0.0 { 0.0 } else { t };

@@ -6,6 +6,7 @@ mod canvas;
 mod checker;
 mod free;
 mod growth;
+mod joint;
 mod output;
 mod patches;
 mod pattern;

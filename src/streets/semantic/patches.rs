@@ -242,7 +242,7 @@ impl Work<'_> {
                 order.push((weight * self.rng.range(0.5, 1.5), patch));
             }
         }
-        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut best: Option<(f64, usize)> = None;
         let mut found = Proposal::default();
         let (mut checked, mut rated) = (0, 0);

@@ -6,6 +6,7 @@ use super::bend::Bend;
 use super::canvas::{NONE, Seg, nearest};
 use super::checker::WEDGE;
 use super::free::FreeGrid;
+use super::joint::joint_angle_fits;
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
@@ -102,7 +103,9 @@ impl Work<'_> {
         let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
         std::mem::swap(&mut self.near, &mut self.around);
         self.near.segs.clear();
-        let matters = |s: &&Seg| !s.is_apart(bounds.min, bounds.max);
+        self.near.origin = self.around.origin;
+        let reach = self.near.reach(bounds.min, bounds.max);
+        let matters = |s: &&Seg| s.hull.overlaps(reach);
         self.near.segs.extend(self.around.segs.iter().filter(matters));
         self.near.tips.clear();
         self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
@@ -135,6 +138,11 @@ impl Work<'_> {
     /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
     /// vertices of the graph.
     pub(super) fn propose_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.propose(placement, anchors, true)
+    }
+
+    /// The same; with `check`, false as well as soon as an arm meets a street at an angle that may not be.
+    pub(super) fn propose(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)], check: bool) -> bool {
         let anchor = |v: usize| anchors.iter().find(|a| a.0 == v).map(|a| a.1);
         let patch = &self.brief.patches.patches[placement.patch];
         let shape = &self.brief.patches.facts(placement.patch).shape;
@@ -183,10 +191,17 @@ impl Work<'_> {
                 break;
             };
             let mut before = slot(&mut p, inner);
+            let mut last = [before; 2];
             for (i, at) in line.iter().enumerate().skip(1) {
                 p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
                 p.edges.push((before, p.points.len() - 1));
-                before = p.points.len() - 1;
+                last = [before, p.points.len() - 1];
+                before = last[1];
+            }
+            let (from, end) = (p.points[last[0]], p.points[last[1]]);
+            fits = !check || joint_angle_fits(&self.canvas, join, end, from - end, &self.limits);
+            if !fits {
+                break;
             }
         }
         (self.proposal, self.slots, self.line) = (p, slots, line);

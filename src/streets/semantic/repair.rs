@@ -118,6 +118,7 @@ impl Work<'_> {
         let bounds = Bounds::of(of_part.iter().flat_map(|e| <[DVec2; 2]>::from(g.segment(*e))));
         let reach = 4.0 * self.brief.style.local.length;
         self.canvas.gather(bounds, reach, &mut self.near);
+        let g = &self.canvas.graph;
         let elsewhere = |join: Join| match join {
             Join::At(v) => components.get(v as usize).is_some_and(|c| *c != part),
             Join::On(e) => components.get(g.edge(e).a as usize).is_some_and(|c| *c != part),
@@ -280,6 +281,7 @@ impl Work<'_> {
         let reach = bounds.size().length();
         // A street across the block can only meet what is around it and in it first.
         std::mem::swap(&mut self.near, &mut self.around);
+        self.near.origin = self.around.origin;
         self.near.segs.clear();
         self.near.tips.clone_from(&self.around.tips);
         let is_met = |s: &&Seg| {
