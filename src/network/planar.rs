@@ -139,6 +139,11 @@ impl<E: Clone> PlanarGraph<E> {
         self.positions.len()
     }
 
+    /// Number of edges ever added; their indices are less than this.
+    pub fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
     /// All vertices, those without edges included.
     pub fn vertices(&self) -> impl Iterator<Item = VertexIx> + use<E> {
         0..self.positions.len() as VertexIx

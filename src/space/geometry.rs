@@ -39,6 +39,9 @@ pub fn segment_crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<Segmen
         return None;
     }
     let (oc, od) = (orient(a, b, c), orient(a, b, d));
+    if (oc > 0.0 && od > 0.0) || (oc < 0.0 && od < 0.0) {
+        return None;
+    }
     let (oa, ob) = (orient(c, d, a), orient(c, d, b));
     if oc == 0.0 && od == 0.0 {
         // Collinear: the shared stretch, as parameters along a-b.
@@ -55,7 +58,7 @@ pub fn segment_crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<Segmen
         let u = if cd.length_squared() == 0.0 { 0.0 } else { (at - c).dot(cd) / cd.length_squared() };
         return Some(SegmentCrossing { t: low, u: u.clamp(0.0, 1.0), at });
     }
-    if (oc > 0.0 && od > 0.0) || (oc < 0.0 && od < 0.0) || (oa > 0.0 && ob > 0.0) || (oa < 0.0 && ob < 0.0) {
+    if (oa > 0.0 && ob > 0.0) || (oa < 0.0 && ob < 0.0) {
         return None;
     }
     let t = (oa / (oa - ob)).clamp(0.0, 1.0);

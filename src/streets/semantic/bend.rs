@@ -33,18 +33,24 @@ impl Bend {
 }
 
 impl Work<'_> {
+    /// Whether the headings are near enough that [`bend`](Self::bend) is worth asking.
+    pub(super) fn may_bend(&self, is: [f64; 2], wanted: [Option<f64>; 2]) -> bool {
+        let most = self.bending + self.most_turn;
+        (0..2).all(|i| wanted[i].is_none_or(|w| (w - is[i]).abs() <= most))
+    }
+
     /// How the slopes of a street must change at its two ends to fit, as far as patches may be bent, and the least cosine of
     /// what is left of a bend at either end; `None` where that is too much. `is` and `wanted` are the headings of the street
     /// at both ends against the straight line between them, in radians; nothing is asked of an end where it is `None`.
     pub(super) fn bend(&self, is: [f64; 2], wanted: [Option<f64>; 2]) -> Option<([f64; 2], f64)> {
+        if !self.may_bend(is, wanted) {
+            return None;
+        }
         let mut slopes = [0.0; 2];
         let mut left: f64 = 0.0;
         for i in 0..2 {
             let Some(wanted) = wanted[i] else { continue };
             let off = wanted - is[i];
-            if off.abs() > self.bending + self.most_turn {
-                return None;
-            }
             // A street that sets out sidewards is not turned by a sidewards shift. Less than a degree is no more than the
             // jitter of streets, and what is straight stays so.
             let steep = is[i].abs().max(wanted.abs()) > 0.9;

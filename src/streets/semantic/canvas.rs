@@ -5,13 +5,16 @@ use super::proposal::{Join, Proposal};
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::space::{Bounds, closest_on_segment, quantize, segment_crossing};
 use crate::streets::{CellBrief, MadeBy};
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 
 /// Least distance between a street's pavement and that of a border street, in metres.
 pub(super) const WALL_MARGIN: f64 = 4.0;
 
 /// Least distance from an open side of the cell.
 const OPEN_SIDE: f64 = 14.0;
+
+/// Least cross product, in square metres, of what is surely beside a line; rounding errors are far smaller.
+const BESIDE: f64 = 1e-6;
 
 /// Stands for "no edge" and "no vertex" in a [`Seg`].
 pub(super) const NONE: u32 = u32::MAX;
@@ -29,11 +32,39 @@ pub(super) struct Node {
     pub pinned: bool,
 }
 
+/// The box of a segment, or a little more, so that one instruction or two tell whether it overlaps another: the south-west
+/// corner and the north-east one with its signs changed, in single precision, from the canvas's origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull(Vec4);
+
+impl Hull {
+    /// Overlaps nothing.
+    const NOWHERE: Self = Self(Vec4::INFINITY);
+
+    fn new(a: DVec2, b: DVec2, origin: DVec2) -> Self {
+        let (low, high) = (a.min(b) - origin - HULL_MARGIN, a.max(b) - origin + HULL_MARGIN);
+        Self(Vec4::new(low.x as f32, low.y as f32, -high.x as f32, -high.y as f32))
+    }
+
+    /// False only where the boxes are surely apart.
+    pub fn overlaps(self, reach: Reach) -> bool {
+        self.0.cmple(reach.0).all()
+    }
+}
+
+/// A box to hold against [`Hull`]s: its north-east corner, and the south-west one with its signs changed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach(Vec4);
+
+/// How much a hull is larger than the box, in metres; far more than single precision loses within a cell.
+const HULL_MARGIN: f64 = 0.02;
+
 /// A border edge of the cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     a: DVec2,
     b: DVec2,
+    hull: Hull,
     floor: f64,
 }
 
@@ -44,10 +75,8 @@ pub(super) struct Seg {
     pub a: DVec2,
     /// Second end.
     pub b: DVec2,
-    /// South-west corner of its box.
-    pub low: DVec2,
-    /// North-east corner of its box.
-    pub high: DVec2,
+    /// Its box.
+    pub hull: Hull,
     /// Edge of the graph, [`NONE`] for a wall.
     pub edge: EdgeIx,
     /// Vertex at `a`, [`NONE`] for a wall.
@@ -64,6 +93,12 @@ impl Seg {
         self.edge == NONE
     }
 
+    /// Whether it surely lies to one side of the line through `from` along `step`, by so much that no rounding matters.
+    pub fn is_beside(&self, from: DVec2, step: DVec2) -> bool {
+        let (a, b) = (step.perp_dot(self.a - from), step.perp_dot(self.b - from));
+        a.min(b) > BESIDE || a.max(b) < -BESIDE
+    }
+
     /// Whether `v` is one of its ends.
     pub fn ends_at(&self, v: VertexIx) -> bool {
         self.va == v || self.vb == v
@@ -77,6 +112,8 @@ pub(super) struct Near {
     pub segs: Vec<Seg>,
     /// The dead ends among their ends.
     pub tips: Vec<Tip>,
+    /// Origin of the hulls.
+    pub origin: DVec2,
 }
 
 /// A dead end.
@@ -93,13 +130,20 @@ pub(super) struct Tip {
 }
 
 impl Near {
+    /// The box from `low` to `high`, to hold against the hulls of the obstacles.
+    pub fn reach(&self, low: DVec2, high: DVec2) -> Reach {
+        let (low, high) = ((low - self.origin).as_vec2(), (high - self.origin).as_vec2());
+        Reach(Vec4::new(high.x, high.y, -low.x, -low.y))
+    }
+
     /// First obstacle that the segment `from`-`to` meets: its index, and parameter and position on the segment. What
     /// ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(usize, f64, DVec2)> {
-        let (low, high) = (from.min(to), from.max(to));
+        let mut reach = self.reach(from.min(to), from.max(to));
+        let step = to - from;
         let mut best: Option<(usize, f64, DVec2)> = None;
         for (i, s) in self.segs.iter().enumerate() {
-            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
+            if !s.hull.overlaps(reach) || s.is_beside(from, step) {
                 continue;
             }
             // At a port, the main street is left as well.
@@ -112,6 +156,8 @@ impl Near {
                 && best.is_none_or(|b| x.t < b.1)
             {
                 best = Some((i, x.t, x.at));
+                // What lies beyond, by more than rounding, is not met first.
+                reach = self.reach(from.min(x.at), from.max(x.at));
             }
         }
         best
@@ -127,6 +173,9 @@ pub(super) struct Canvas {
     /// Free room around every point.
     pub free: FreeGrid,
     walls: Vec<Wall>,
+    /// Boxes of the edges, by index; those of removed edges stay, and the youngest may be missing.
+    hulls: Vec<Hull>,
+    origin: DVec2,
 }
 
 impl Canvas {
@@ -134,17 +183,20 @@ impl Canvas {
     /// distance that will be asked of [`Canvas::free`].
     pub fn new(brief: &CellBrief<'_>, cap: f64) -> Self {
         let n = brief.border.len();
+        let origin = brief.border.first().copied().unwrap_or_default();
         let walls: Vec<Wall> = (0..n)
             .map(|i| {
                 let half = brief.street_half_width.get(i).copied().flatten();
                 let floor = half.map_or(OPEN_SIDE, |h| h + StreetClass::Local.half_width() + WALL_MARGIN);
-                Wall { a: brief.border[i], b: brief.border[(i + 1) % n], floor }
+                let (a, b) = (brief.border[i], brief.border[(i + 1) % n]);
+                Wall { a, b, hull: Hull::new(a, b, origin), floor }
             })
             .filter(|w| w.a != w.b)
             .collect();
         let mut free = FreeGrid::new(brief.border, cap);
         walls.iter().for_each(|w| free.stamp(w.a, w.b));
-        let mut canvas = Self { graph: PlanarGraph::without_index(), nodes: Vec::new(), free, walls };
+        let graph = PlanarGraph::without_index();
+        let mut canvas = Self { graph, nodes: Vec::new(), free, walls, hulls: Vec::new(), origin };
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
@@ -210,21 +262,33 @@ impl Canvas {
     }
 
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
-    pub fn gather(&self, of: Bounds, reach: f64, near: &mut Near) {
+    pub fn gather(&mut self, of: Bounds, reach: f64, near: &mut Near) {
         near.segs.clear();
         near.tips.clear();
+        near.origin = self.origin;
+        for edge in self.hulls.len()..self.graph.edge_count() {
+            let edge = edge as EdgeIx;
+            let ends = self.graph.is_live(edge).then(|| self.graph.segment(edge));
+            self.hulls.push(ends.map_or(Hull::NOWHERE, |(a, b)| Hull::new(a, b, self.origin)));
+        }
         let bounds = of.grown(reach);
-        for w in &self.walls {
-            let (low, high) = (w.a.min(w.b), w.a.max(w.b));
-            if bounds.overlaps(Bounds::new(low, high)) {
-                near.segs.push(Seg { a: w.a, b: w.b, low, high, edge: NONE, va: NONE, vb: NONE, floor: w.floor });
+        let reach = near.reach(bounds.min, bounds.max);
+        let inside = |a: DVec2, b: DVec2| bounds.overlaps(Bounds::new(a.min(b), a.max(b)));
+        for w in self.walls.iter().filter(|w| w.hull.overlaps(reach)) {
+            if inside(w.a, w.b) {
+                let (a, b, hull, floor) = (w.a, w.b, w.hull, w.floor);
+                near.segs.push(Seg { a, b, hull, edge: NONE, va: NONE, vb: NONE, floor });
             }
         }
-        for (edge, e) in self.graph.edges() {
+        for (edge, &hull) in self.hulls.iter().enumerate().filter(|(_, hull)| hull.overlaps(reach)) {
+            let edge = edge as EdgeIx;
+            if !self.graph.is_live(edge) {
+                continue;
+            }
+            let e = self.graph.edge(edge);
             let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-            let (low, high) = (a.min(b), a.max(b));
-            if bounds.overlaps(Bounds::new(low, high)) {
-                near.segs.push(Seg { a, b, low, high, edge, va: e.a, vb: e.b, floor: 0.0 });
+            if inside(a, b) {
+                near.segs.push(Seg { a, b, hull, edge, va: e.a, vb: e.b, floor: 0.0 });
                 for (v, at, from) in [(e.a, a, b), (e.b, b, a)] {
                     if self.is_dead_end(v) {
                         let open = self.nodes[v as usize].open;

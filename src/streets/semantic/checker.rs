@@ -2,11 +2,12 @@
 //! built (the connect and clip checks of Teng 2017, section 3.3), so the rules hold for the finished cell.
 
 use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
 use super::proposal::{Join, Limits, Proposal};
-use crate::network::{EdgeIx, VertexIx};
+use crate::network::VertexIx;
 use crate::patch::STREET_FLOOR;
 use crate::seam::STUB_LENGTH;
-use crate::space::{math::angle_between, segment_crossing};
+use crate::space::segment_crossing;
 use glam::DVec2;
 
 /// Least distance of a dead end from any street that it does not join.
@@ -18,63 +19,17 @@ const TIP_GAP: f64 = 19.0;
 /// Streets may be near each other where they are near along the network as well: at this share of that distance.
 pub(super) const WEDGE: f64 = 0.5;
 
-/// An edge near a joint along the network, with the distances of its ends along the network.
-#[derive(Clone, Copy)]
-struct Reached {
-    edge: EdgeIx,
-    va: VertexIx,
-    from_a: f64,
-    from_b: f64,
-}
+/// More than the rounding errors of distances, in metres.
+const ROUNDING: f64 = 1e-6;
 
-/// Where a proposal meets the graph, and what is near there along the network.
-#[derive(Default)]
-struct Joint {
-    point: usize,
-    at: DVec2,
-    vertex: VertexIx,
-    edge: EdgeIx,
-    is_port: bool,
-    reached: Vec<Reached>,
-    shared: Vec<EdgeIx>,
-    ports: Vec<(DVec2, f64)>,
-}
-
-impl Joint {
-    fn incident(&self, s: &Seg) -> bool {
-        !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
-    }
-
-    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
-    fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
-        let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
-        let around = around.fold(f64::INFINITY, f64::min);
-        let through = self.reached.iter().filter(|x| {
-            let (va, vb) = (canvas.graph.edge(x.edge).a, canvas.graph.edge(x.edge).b);
-            x.edge == other.edge || (other.vertex != NONE && (va == other.vertex || vb == other.vertex))
-        });
-        let through = through.map(|x| {
-            let e = canvas.graph.edge(x.edge);
-            let (da, db) = if x.va == e.a { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
-            (da + canvas.graph.at(e.a).distance(other.at)).min(db + canvas.graph.at(e.b).distance(other.at))
-        });
-        through.fold(around, f64::min)
-    }
-
-    /// Distance along the network from the joint to the point `r` of an obstacle.
-    fn along(&self, s: &Seg, r: DVec2) -> f64 {
-        if s.is_wall() {
-            return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
-        }
-        if self.edge == s.edge {
-            return self.at.distance(r);
-        }
-        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
-            let x = &self.reached[x];
-            let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
-            (da + s.a.distance(r)).min(db + s.b.distance(r))
-        })
-    }
+/// A point of a proposal's edge that may be too near a point of an obstacle: that depends on ways along the network.
+struct Doubt {
+    index: usize,
+    obstacle: usize,
+    q: DVec2,
+    r: DVec2,
+    loose: bool,
+    distance: f64,
 }
 
 /// Checks proposals; keeps its buffers between them.
@@ -85,6 +40,7 @@ pub(super) struct Checker {
     roots: Vec<u32>,
     degrees: Vec<u8>,
     frontier: Vec<(VertexIx, f64)>,
+    doubts: Vec<Doubt>,
     /// For each edge and vertex the search that saw it last, and its place there.
     edges_seen: Vec<(u32, u32)>,
     vertices_seen: Vec<(u32, u32)>,
@@ -95,12 +51,19 @@ impl Checker {
     /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
     /// within the gaps around it. A proposal must keep the rules inside itself.
     pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
-        self.find_joints(canvas, p, near, limits)
-            && p.edges.iter().enumerate().all(|(i, _)| self.edge_fits(canvas, p, i, near, limits))
+        self.doubts.clear();
+        // Ways along the network cost the most, and most proposals fail without.
+        self.find_joints(canvas, p, limits)
+            && (0..p.edges.len()).all(|i| self.edge_fits(canvas, p, i, near, limits))
+            && self.joints_keep_ways(canvas, p, near, limits)
+            && self
+                .doubts
+                .iter()
+                .all(|d| d.distance >= self.needed(d.index, &near.segs[d.obstacle], d.q, d.r, d.loose, limits))
     }
 
     /// Finds the joints; false where one of them breaks a rule.
-    fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+    fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
@@ -110,9 +73,6 @@ impl Checker {
             self.degrees[*a] = self.degrees[*a].saturating_add(1);
             self.degrees[*b] = self.degrees[*b].saturating_add(1);
         }
-        let joints = (0..p.points.len()).filter(|i| p.joined(*i)).count();
-        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
-        let reach = if joints > 1 { gaps.max(limits.min_round) } else { gaps };
         for point in 0..p.points.len() {
             if !p.joined(point) {
                 continue;
@@ -127,24 +87,36 @@ impl Checker {
                 Join::On(e) => (NONE, e),
                 Join::Free(_) => (NONE, NONE),
             };
-            let fits = self.joint_fits(canvas, p, &mut joint, limits) && {
-                self.measure_around(canvas, &mut joint, reach);
-                let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
-                !divides || (keeps_off_walls(&joint, near) && parts_stay_apart(&joint, near))
+            let same = |k: &Joint| {
+                (joint.vertex != NONE && joint.vertex == k.vertex) || joint.at.distance(k.at) < limits.min_piece
             };
+            let fits = !self.joints.iter().any(same) && self.joint_fits(canvas, p, &mut joint, limits);
             self.joints.push(joint);
             if !fits {
                 return false;
             }
         }
-        self.joints.iter().enumerate().all(|(i, j)| {
+        true
+    }
+
+    /// Finds what is near the joints along the network; false where a street that is divided or a way around a block
+    /// breaks a rule.
+    fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
+        let reach = if self.joints.len() > 1 { gaps.max(limits.min_round) } else { gaps };
+        let mut joints = std::mem::take(&mut self.joints);
+        let fits = joints.iter_mut().all(|joint| {
+            let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
+            (!divides || keeps_off_walls(joint, near)) && {
+                self.measure_around(canvas, joint, reach);
+                !divides || parts_stay_apart(joint, near)
+            }
+        });
+        self.joints = joints;
+        fits && self.joints.iter().enumerate().all(|(i, j)| {
             self.joints[..i].iter().all(|k| {
-                let apart = j.at.distance(k.at);
-                let same = (j.vertex != NONE && j.vertex == k.vertex) || apart < limits.min_piece;
-                !same && {
-                    let way = j.way_to(k, canvas);
-                    apart + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
-                }
+                let way = j.way_to(k, canvas);
+                j.at.distance(k.at) + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
             })
         })
     }
@@ -175,18 +147,15 @@ impl Checker {
             }
         }
         let piece = |length: f64| length >= limits.min_piece;
+        if !joint_angle_fits(canvas, p.joins[joint.point], joint.at, direction, limits) {
+            return false;
+        }
         if joint.vertex != NONE {
             let v = joint.vertex;
             let degree = g.degree(v);
             if canvas.nodes[v as usize].port.is_some() {
                 joint.is_port = true;
-                return degree == 0 && piece(length);
-            }
-            if degree == 0 || degree >= limits.max_degree {
-                return false;
-            }
-            if g.smallest_angle(v, direction) < if degree == 1 { limits.min_bend } else { limits.min_angle } {
-                return false;
+                return piece(length);
             }
             degree == 1
                 || (piece(length)
@@ -195,14 +164,13 @@ impl Checker {
             let e = g.edge(joint.edge);
             piece(length)
                 && [e.a, e.b].into_iter().all(|end| {
-                    let to_end = g.at(end) - joint.at;
                     let rest = if canvas.is_end(end) {
                         0.0
                     } else {
                         let next = g.edges_at(end).iter().copied().find(|x| *x != joint.edge);
                         next.map_or(0.0, |x| canvas.follow(end, x, |_| {}).1)
                     };
-                    angle_between(direction, to_end) >= limits.min_angle && piece(to_end.length() + rest)
+                    piece(g.at(end).distance(joint.at) + rest)
                 })
         }
     }
@@ -291,15 +259,33 @@ impl Checker {
         joint.reached.sort_unstable_by_key(|x| x.edge);
     }
 
-    fn edge_fits(&self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
+    /// Whether an edge of the proposal keeps away from all obstacles, as far as that can be told without ways along the
+    /// network; where it cannot, that is noted.
+    fn edge_fits(&mut self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
+        let mut doubts = std::mem::take(&mut self.doubts);
+        let fits = self.edge_may_fit(canvas, p, index, near, limits, &mut doubts);
+        self.doubts = doubts;
+        fits
+    }
+
+    fn edge_may_fit(
+        &self,
+        canvas: &Canvas,
+        p: &Proposal,
+        index: usize,
+        near: &Near,
+        limits: &Limits,
+        doubts: &mut Vec<Doubt>,
+    ) -> bool {
         let (i, j) = p.edges[index];
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
-        let (low, high) = (a.min(b) - widest, a.max(b) + widest);
+        let reach = near.reach(a.min(b) - widest, a.max(b) + widest);
         let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
-        'obstacles: for s in &near.segs {
-            if low.cmpgt(s.high).any() || s.low.cmpgt(high).any() {
+        let far = (widest + ROUNDING) * (widest + ROUNDING);
+        'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
+            if !s.hull.overlaps(reach) {
                 continue;
             }
             let dead = |v: VertexIx| v != NONE && canvas.is_dead_end(v) && self.joints.iter().all(|j| j.vertex != v);
@@ -330,7 +316,7 @@ impl Checker {
                     continue 'obstacles;
                 }
             }
-            if segment_crossing(a, b, s.a, s.b).is_some() {
+            if !s.is_beside(a, b - a) && segment_crossing(a, b, s.a, s.b).is_some() {
                 return false;
             }
             let pairs = [
@@ -340,16 +326,40 @@ impl Checker {
                 (nearest(s.b, a, b), s.b, dead(s.vb)),
             ];
             for (q, r, loose) in pairs {
-                let distance = q.distance(r);
-                if distance < widest && distance < self.needed(index, s, q, r, loose, limits) {
-                    // A street may pass a loose end that can be led into it.
-                    if !tip(r) || distance < TIP_GAP.min(limits.gap) {
-                        return false;
-                    }
+                if q.distance_squared(r) > far {
+                    continue;
                 }
+                let distance = q.distance(r);
+                // A street may pass a loose end that can be led into it.
+                if distance >= widest || (distance >= TIP_GAP.min(limits.gap) && tip(r)) {
+                    continue;
+                }
+                if distance < self.surely_needed(index, s, q, r, loose, limits) - ROUNDING {
+                    return false;
+                }
+                doubts.push(Doubt { index, obstacle, q, r, loose, distance });
             }
         }
         true
+    }
+
+    /// No more than [`needed`](Self::needed): ways along the network are at least as long as straight lines.
+    fn surely_needed(&self, index: usize, s: &Seg, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+        let mut along = f64::INFINITY;
+        let mut from_port = false;
+        for (k, joint) in self.joints.iter().enumerate() {
+            let away = q.distance(joint.at);
+            if away < 1e-3 {
+                return 0.0;
+            }
+            along = along.min(away + joint.at.distance(r));
+            from_port |= self.roots[index] & (1 << k) != 0 && joint.is_port && away < STUB_LENGTH;
+        }
+        let floor = if s.is_wall() { s.floor } else { STREET_FLOOR };
+        let loosely = if s.is_wall() { from_port } else { self.roots[index] != 0 };
+        let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
+        let needed = base.min(WEDGE * along).max(if loosely { 0.0 } else { floor });
+        if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
     }
 
     /// Distance that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
@@ -377,21 +387,6 @@ impl Checker {
         }
         if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
     }
-}
-
-/// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
-/// must keep away from it.
-fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| {
-        s.is_wall()
-            || joint.shared.contains(&s.edge)
-            || nearest(joint.at, s.a, s.b).distance_squared(joint.at) >= STREET_FLOOR * STREET_FLOOR
-    })
-}
-
-/// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
-fn keeps_off_walls(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
 }
 
 fn loose_end_near(end: DVec2, s: &Seg) -> bool {

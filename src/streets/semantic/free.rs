@@ -17,6 +17,8 @@ pub(super) struct FreeGrid {
     origin: DVec2,
     columns: usize,
     rows: usize,
+    /// The numbers of columns and rows once more.
+    size: DVec2,
     room: Vec<f32>,
     cap: f64,
 }
@@ -44,7 +46,7 @@ impl FreeGrid {
                 room[row * columns + column(pair[0])..row * columns + column(pair[1])].fill((cap * cap) as f32);
             }
         }
-        Self { origin: bounds.min, columns, rows, room, cap }
+        Self { origin: bounds.min, columns, rows, size: DVec2::new(columns as f64, rows as f64), room, cap }
     }
 
     /// Takes the segment `a`-`b` into account.
@@ -60,7 +62,8 @@ impl FreeGrid {
         for y in y0..y1 {
             let py = corner.y + y as f32 * STEP as f32;
             let row = y * self.columns;
-            for (x, cell) in (x0..x1).zip(&mut self.room[row + x0.min(x1)..row + x1]) {
+            // Numbers of 32 bits become floats several at once.
+            for (x, cell) in (x0 as i32..x1 as i32).zip(&mut self.room[row + x0.min(x1)..row + x1]) {
                 let px = corner.x + x as f32 * STEP as f32;
                 let t = (px * ab.x + py * ab.y) * per_length;
                 let t = if t < 0.0 { 0.0 } else { t };
@@ -74,19 +77,21 @@ impl FreeGrid {
 
     /// Square of the room at the square of `p`, whose root is within [`SLACK`] of the distance to the nearest obstacle, or
     /// the cap; 0 outside.
-    fn at(&self, p: DVec2) -> f64 {
-        let cell = (p - self.origin) / STEP;
-        if cell.x < 0.0 || cell.y < 0.0 {
+    pub fn at(&self, p: DVec2) -> f64 {
+        let cell = (p - self.origin) * (1.0 / STEP);
+        let inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.size.x && cell.y < self.size.y;
+        if !inside {
             return 0.0;
         }
-        let (x, y) = (cell.x as usize, cell.y as usize);
-        if x >= self.columns || y >= self.rows { 0.0 } else { f64::from(self.room[y * self.columns + x]) }
+        let square = cell.y as i32 as usize * self.columns + cell.x as i32 as usize;
+        self.room.get(square).copied().map_or(0.0, f64::from)
     }
 
-    /// Whether an obstacle is surely nearer to `p` than `distance` (which lies below the cap), or `p` is outside.
-    pub fn surely_nearer(&self, p: DVec2, distance: f64) -> bool {
+    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance` (which lies below the cap), or
+    /// the place is outside.
+    pub fn least(distance: f64) -> f64 {
         let least = (distance - SLACK).max(0.0);
-        self.at(p) < least * least
+        least * least
     }
 }
 
@@ -108,7 +113,7 @@ mod tests {
             let room = walls.iter().map(|(a, b)| distance_to_segment(p, *a, *b)).fold(f64::MAX, f64::min);
             let inside = crate::space::point_in_polygon(p, &border);
             if inside && room > 25.0 {
-                assert!(!grid.surely_nearer(p, 25.0), "{p} has {room}");
+                assert!(grid.at(p) >= FreeGrid::least(25.0), "{p} has {room}");
             }
             if !inside && room > 9.0 {
                 assert_eq!(grid.at(p), 0.0);

@@ -21,7 +21,8 @@ impl Work<'_> {
         let tries = [(1.0, off), (0.65, off), (1.0, 0.5 * bend), (1.0, -0.5 * bend), (0.65, bend), (0.65, -bend)];
         for (share, angle) in tries {
             let to = at + rotate(direction, angle) * (length * share).max(local.min_length);
-            let Some((line, join)) = self.settle(&[at, to], v, &self.limits) else { continue };
+            let mut line = vec![at, to];
+            let Some(join) = self.settle(&mut line, v, &self.limits) else { continue };
             self.proposal.line(&line, Join::At(v), join);
             if !self.build_if_fits(&self.limits.clone(), MadeBy::Growth) {
                 continue;

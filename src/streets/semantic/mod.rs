@@ -6,6 +6,7 @@ mod canvas;
 mod checker;
 mod free;
 mod growth;
+mod joint;
 mod output;
 mod patches;
 mod pattern;
@@ -85,6 +86,8 @@ struct Work<'a> {
     stump: f64,
     /// How often each patch was used.
     used: Vec<u32>,
+    /// Weight of each patch in choices after these uses.
+    weights: Vec<f64>,
     /// Pinned patches that stand.
     laid: Vec<Laid>,
     near: Near,
@@ -94,6 +97,8 @@ struct Work<'a> {
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.
     slots: Vec<u32>,
+    /// An arm of a patch that is being settled.
+    line: Vec<DVec2>,
 }
 
 impl<'a> Work<'a> {
@@ -147,12 +152,14 @@ impl<'a> Work<'a> {
             field_pull,
             stump: stump * local.length,
             used: vec![0; brief.patches.patches.len()],
+            weights: (0..brief.patches.patches.len()).map(|p| patches::weight(brief, p, 0)).collect(),
             laid: Vec::new(),
             near: Near::default(),
             around: Near::default(),
             proposal: Proposal::default(),
             built: Vec::new(),
             slots: Vec::new(),
+            line: Vec::new(),
         }
     }
 

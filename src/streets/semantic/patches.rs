@@ -7,7 +7,7 @@ use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{Connectable, LEAST_ARM, Patch, STRETCH};
 use crate::space::math::{rotate, turn};
-use crate::streets::MadeBy;
+use crate::streets::{CellBrief, MadeBy};
 use glam::DVec2;
 
 /// Vertices that breadth-first tries to reach, the nearest first.
@@ -27,21 +27,20 @@ const RATED: usize = 3;
 const TRIED: usize = 2;
 
 impl Work<'_> {
-    /// Weight of a patch in choices: less with every use, 0 once it was used as often as it may be or if it breaks the
-    /// rules inside itself.
+    /// Weight of a patch in choices.
     pub(super) fn weight(&self, patch: usize) -> f64 {
-        let p = &self.brief.patches.patches[patch];
-        let count = self.used[patch];
-        if p.at_most.is_some_and(|most| count >= most) || !self.brief.patches.facts(patch).shape.sound {
-            0.0
-        } else {
-            self.brief.weights[patch] / (1.0 + 0.5 * f64::from(count))
-        }
+        self.weights[patch]
+    }
+
+    /// Takes into account that a patch was used once more.
+    pub(super) fn count_use(&mut self, patch: usize) {
+        self.used[patch] += 1;
+        self.weights[patch] = weight(self.brief, patch, self.used[patch]);
     }
 
     /// Counts the patch that was just built and makes its connectable ends candidates.
     pub(super) fn after_patch(&mut self, patch: usize) {
-        self.used[patch] += 1;
+        self.count_use(patch);
         for (i, v) in self.built.iter().enumerate() {
             if self.proposal.joins[i] == Join::Free(true) {
                 self.canvas.nodes[*v as usize].target = 2;
@@ -95,11 +94,11 @@ impl Work<'_> {
             }
         }
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        targets.retain(|(_, w)| {
+        let in_sight = |(_, w): &(f64, VertexIx)| {
             let p = self.canvas.graph.at(*w);
             self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
-        });
-        targets.truncate(TARGETS);
+        };
+        let targets: Vec<(f64, VertexIx)> = targets.into_iter().filter(in_sight).take(TARGETS).collect();
         let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
         for (d, w) in targets {
             let target = self.canvas.graph.at(w);
@@ -114,12 +113,19 @@ impl Work<'_> {
                 if weight <= 0.0 {
                     continue;
                 }
+                let varied = self.rng.range(0.7, 1.3);
+                // Both ways round, and mirrored each.
+                let (there, back) = ([entry.leaves, entry.arrives], [entry.arrives, entry.leaves]);
+                let four = [there, there.map(|angle| -angle), back, back.map(|angle| -angle)];
+                if !four.iter().any(|is| self.may_bend(*is, wanted)) {
+                    continue;
+                }
                 let p = &patches.patches[entry.patch];
                 let pair = p.pairs[entry.pair];
                 // Equation 1 of the paper, times what makes the choice vary.
-                let rating = (1.0 - (pair.distance - d).abs() / d) * weight * self.rng.range(0.7, 1.3);
+                let rating = (1.0 - (pair.distance - d).abs() / d) * weight * varied;
                 let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
-                for (a, b, is) in [(a, b, [entry.leaves, entry.arrives]), (b, a, [entry.arrives, entry.leaves])] {
+                for (a, b, is) in [(a, b, there), (b, a, back)] {
                     let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
                     for (mirrored, is) in [(false, is), (true, is.map(|angle| -angle))] {
                         // The street must go on at both ends without a sharp bend.
@@ -236,7 +242,7 @@ impl Work<'_> {
                 order.push((weight * self.rng.range(0.5, 1.5), patch));
             }
         }
-        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut best: Option<(f64, usize)> = None;
         let mut found = Proposal::default();
         let (mut checked, mut rated) = (0, 0);
@@ -308,5 +314,16 @@ impl Work<'_> {
             rating -= if hinders { 0.2 } else { 0.0 };
         }
         rating.max(0.05)
+    }
+}
+
+/// Weight of a patch in choices after `count` uses: less with every use, 0 once it was used as often as it may be or if it
+/// breaks the rules inside itself.
+pub(super) fn weight(brief: &CellBrief<'_>, patch: usize, count: u32) -> f64 {
+    let most = brief.patches.patches[patch].at_most;
+    if most.is_some_and(|most| count >= most) || !brief.patches.facts(patch).shape.sound {
+        0.0
+    } else {
+        brief.weights[patch] / (1.0 + 0.5 * f64::from(count))
     }
 }

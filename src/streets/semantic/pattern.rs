@@ -195,7 +195,7 @@ impl Work<'_> {
         // What is shared is there already: only the exact check can tell it from what is in the way.
         let shares = roots.iter().any(|r| self.canvas.graph.degree(r.1 as VertexIx) > 0);
         let fits = (shares || self.roughly_fits(&placement, start, end))
-            && self.propose_patch(&placement, &anchors)
+            && self.propose(&placement, &anchors, false)
             && self.share_streets(roots)
             && self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32));
         if fits {

@@ -64,7 +64,7 @@ impl Work<'_> {
             }
             return false;
         }
-        self.used[pinned.patch] += 1;
+        self.count_use(pinned.patch);
         for (i, &v) in self.built.iter().enumerate() {
             self.canvas.nodes[v as usize].pinned = true;
             if self.proposal.joins[i] == Join::Free(true) {

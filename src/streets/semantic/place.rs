@@ -5,10 +5,12 @@ use super::Work;
 use super::bend::Bend;
 use super::canvas::{NONE, Seg, nearest};
 use super::checker::WEDGE;
+use super::free::FreeGrid;
+use super::joint::joint_angle_fits;
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
-use crate::space::{Bounds, cut_line, segment_crossing};
+use crate::space::{Bounds, point_at, segment_crossing};
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -81,14 +83,14 @@ impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
         // A little less than the gap: near the vertices it joins the distance along the network decides.
-        let need = self.limits.gap.min(self.limits.wall_gap) - 1.0;
+        let enough = FreeGrid::least(self.limits.gap.min(self.limits.wall_gap) - 1.0);
         self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
-            !self.canvas.free.surely_nearer(p, need)
-                || !self
-                    .canvas
-                    .free
-                    .surely_nearer(p, WEDGE * end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e))))
+            let room = self.canvas.free.at(p);
+            room >= enough || {
+                let away = end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e)));
+                room >= FreeGrid::least(WEDGE * away)
+            }
         })
     }
 
@@ -101,14 +103,16 @@ impl Work<'_> {
         let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
         std::mem::swap(&mut self.near, &mut self.around);
         self.near.segs.clear();
-        let matters = |s: &&Seg| bounds.overlaps(Bounds::new(s.low, s.high));
+        self.near.origin = self.around.origin;
+        let reach = self.near.reach(bounds.min, bounds.max);
+        let matters = |s: &&Seg| s.hull.overlaps(reach);
         self.near.segs.extend(self.around.segs.iter().filter(matters));
         self.near.tips.clear();
         self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
     }
 
     /// Goes back to all the obstacles that were gathered.
-    fn unfocus(&mut self) {
+    pub(super) fn unfocus(&mut self) {
         std::mem::swap(&mut self.near, &mut self.around);
     }
 
@@ -134,6 +138,11 @@ impl Work<'_> {
     /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
     /// vertices of the graph.
     pub(super) fn propose_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.propose(placement, anchors, true)
+    }
+
+    /// The same; with `check`, false as well as soon as an arm meets a street at an angle that may not be.
+    pub(super) fn propose(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)], check: bool) -> bool {
         let anchor = |v: usize| anchors.iter().find(|a| a.0 == v).map(|a| a.1);
         let patch = &self.brief.patches.patches[placement.patch];
         let shape = &self.brief.patches.facts(placement.patch).shape;
@@ -153,6 +162,7 @@ impl Work<'_> {
             }
             slots[v] as usize
         };
+        let mut line = std::mem::take(&mut self.line);
         let settled = |c: usize| anchor(c).is_none();
         for e in &shape.core {
             let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
@@ -173,31 +183,40 @@ impl Work<'_> {
                 }
                 continue;
             }
-            let line: Vec<DVec2> = arm.iter().map(|v| placement.map(patch.vertices[*v])).collect();
+            line.clear();
+            line.extend(arm.iter().map(|v| placement.map(patch.vertices[*v])));
             let leaving = anchor(inner).unwrap_or(NONE);
-            let Some((line, join)) = self.settle(&line, leaving, &self.limits) else {
+            let Some(join) = self.settle(&mut line, leaving, &self.limits) else {
                 fits = false;
                 break;
             };
             let mut before = slot(&mut p, inner);
+            let mut last = [before; 2];
             for (i, at) in line.iter().enumerate().skip(1) {
                 p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
                 p.edges.push((before, p.points.len() - 1));
-                before = p.points.len() - 1;
+                last = [before, p.points.len() - 1];
+                before = last[1];
+            }
+            let (from, end) = (p.points[last[0]], p.points[last[1]]);
+            fits = !check || joint_angle_fits(&self.canvas, join, end, from - end, &self.limits);
+            if !fits {
+                break;
             }
         }
-        (self.proposal, self.slots) = (p, slots);
+        (self.proposal, self.slots, self.line) = (p, slots, line);
         fits && self.ends_keep_apart()
             && (!placement.is_bent() || keeps_rules(&self.proposal.points, &self.proposal.edges, 1.0))
     }
 
     /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
-    /// at the end of the line. `None` when too little is left of it. What ends at the vertex `leaving` is ignored.
-    pub(super) fn settle(&self, line: &[DVec2], leaving: VertexIx, limits: &Limits) -> Option<(Vec<DVec2>, Join)> {
+    /// at the end of the line, which is changed to that. `None` when too little is left of it. What ends at the vertex
+    /// `leaving` is ignored.
+    pub(super) fn settle(&self, line: &mut Vec<DVec2>, leaving: VertexIx, limits: &Limits) -> Option<Join> {
         let snap = self.brief.style.local.snap_radius;
         let mut before = 0.0;
-        for (k, w) in line.windows(2).enumerate() {
-            let (from, to) = (w[0], w[1]);
+        for k in 0..line.len().saturating_sub(1) {
+            let (from, to) = (line[k], line[k + 1]);
             let length = from.distance(to);
             let direction = (to - from) / length.max(1e-9);
             let last = k + 2 == line.len();
@@ -207,9 +226,9 @@ impl Work<'_> {
             let hit = self.near.ray(from, from + direction * reach, leaving);
             let ahead = hit.map_or(reach, |h| h.1 * reach);
             if last && let Some((v, p)) = self.facing_end(from, direction, length, ahead, leaving) {
-                let mut met = line[..=k].to_vec();
-                met.push(p);
-                return Some((met, Join::At(v)));
+                line.truncate(k + 1);
+                line.push(p);
+                return Some(Join::At(v));
             }
             let Some((i, _, at)) = hit else {
                 before += length;
@@ -220,7 +239,11 @@ impl Work<'_> {
                 let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
                 let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
                 let cut = room.min(before + length);
-                return (cut >= LEAST_ARM).then(|| (cut_line(line, 0.0, cut), Join::Free(true)));
+                if cut < LEAST_ARM {
+                    return None;
+                }
+                cut_back(line, cut);
+                return Some(Join::Free(true));
             }
             // Rather a vertex than a new junction next to it.
             let vertex = [(s.va, s.a), (s.vb, s.b)]
@@ -228,11 +251,11 @@ impl Work<'_> {
                 .filter(|(v, p)| p.distance(at) < limits.min_piece && self.canvas.nodes[*v as usize].port.is_none())
                 .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
             let (end, join) = vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)));
-            let mut met = line[..=k].to_vec();
-            met.push(end);
-            return Some((met, join));
+            line.truncate(k + 1);
+            line.push(end);
+            return Some(join);
         }
-        Some((line.to_vec(), Join::Free(true)))
+        Some(Join::Free(true))
     }
 
     /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
@@ -299,5 +322,23 @@ impl Work<'_> {
             }
         }
         true
+    }
+}
+
+/// Shortens a line to its first `length` metres.
+fn cut_back(line: &mut Vec<DVec2>, length: f64) {
+    let end = point_at(line, length).0;
+    let mut along = 0.0;
+    let mut kept = 1;
+    while kept < line.len() {
+        along += line[kept - 1].distance(line[kept]);
+        if along >= length {
+            break;
+        }
+        kept += 1;
+    }
+    line.truncate(kept);
+    if line[kept - 1] != end {
+        line.push(end);
     }
 }

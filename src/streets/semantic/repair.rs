@@ -1,7 +1,7 @@
 //! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
 
 use super::Work;
-use super::canvas::NONE;
+use super::canvas::{NONE, Seg};
 use super::proposal::{Join, Limits};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
@@ -20,9 +20,17 @@ const TRIES: usize = 10;
 /// A street that would mend something, and what it costs.
 struct Mend {
     cost: f64,
-    line: Vec<DVec2>,
+    /// Its points; two of them where it is straight.
+    line: [DVec2; 3],
+    points: usize,
     first: Join,
     last: Join,
+}
+
+impl Mend {
+    fn straight(cost: f64, from: DVec2, to: DVec2, first: Join, last: Join) -> Self {
+        Self { cost, line: [from, to, to], points: 2, first, last }
+    }
 }
 
 impl Work<'_> {
@@ -75,13 +83,14 @@ impl Work<'_> {
         let limits = self.relaxed;
         self.gather(at, reach + limits.gap + 30.0);
         let mut mends: Vec<Mend> = Vec::new();
+        let mut line = Vec::new();
         for step in -8i32..=8 {
             let angle = f64::from(step) * 0.17;
             let direction = rotate(onward, angle);
-            if let Some((end, last, distance)) = self.landing(at, direction, reach, v) {
+            if let Some((end, last, distance)) = self.landing(at, direction, reach, v, &mut line) {
                 let welcome = if matches!(last, Join::At(w) if self.canvas.is_dead_end(w)) { 0.6 } else { 1.0 };
                 let cost = distance * welcome * (1.0 + 0.5 * angle.abs());
-                mends.push(Mend { cost, line: vec![at, end], first: Join::At(v), last });
+                mends.push(Mend::straight(cost, at, end, Join::At(v), last));
             }
         }
         let ahead = self.near.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
@@ -91,9 +100,9 @@ impl Work<'_> {
             }
             let bend = at + onward * share;
             for angle in [1.57, -1.57, 1.1, -1.1] {
-                if let Some((end, last, distance)) = self.landing(bend, rotate(onward, angle), reach, NONE) {
+                if let Some((end, last, distance)) = self.landing(bend, rotate(onward, angle), reach, NONE, &mut line) {
                     let cost = 1.5 * (share + distance);
-                    mends.push(Mend { cost, line: vec![at, bend, end], first: Join::At(v), last });
+                    mends.push(Mend { cost, line: [at, bend, end], points: 3, first: Join::At(v), last });
                 }
             }
         }
@@ -109,17 +118,19 @@ impl Work<'_> {
         let bounds = Bounds::of(of_part.iter().flat_map(|e| <[DVec2; 2]>::from(g.segment(*e))));
         let reach = 4.0 * self.brief.style.local.length;
         self.canvas.gather(bounds, reach, &mut self.near);
+        let g = &self.canvas.graph;
         let elsewhere = |join: Join| match join {
             Join::At(v) => components.get(v as usize).is_some_and(|c| *c != part),
             Join::On(e) => components.get(g.edge(e).a as usize).is_some_and(|c| *c != part),
             Join::Free(_) => false,
         };
         let mut mends: Vec<Mend> = Vec::new();
+        let mut line = Vec::new();
         let mut add = |from: DVec2, start: DVec2, direction: DVec2, first: Join, leaving: VertexIx, factor: f64| {
-            if let Some((end, last, distance)) = self.landing(start, direction, reach, leaving)
+            if let Some((end, last, distance)) = self.landing(start, direction, reach, leaving, &mut line)
                 && elsewhere(last)
             {
-                mends.push(Mend { cost: distance * factor, line: vec![from, end], first, last });
+                mends.push(Mend::straight(distance * factor, from, end, first, last));
             }
         };
         for &e in &of_part {
@@ -147,11 +158,20 @@ impl Work<'_> {
     }
 
     /// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
-    /// to it, with its distance, the greater the more aslant it lands.
-    fn landing(&self, from: DVec2, direction: DVec2, reach: f64, leaving: VertexIx) -> Option<(DVec2, Join, f64)> {
+    /// to it, with its distance, the greater the more aslant it lands. `line` is a buffer.
+    fn landing(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        reach: f64,
+        leaving: VertexIx,
+        line: &mut Vec<DVec2>,
+    ) -> Option<(DVec2, Join, f64)> {
         let ahead = self.brief.style.local.snap_radius.max(self.relaxed.gap);
         let to = from + direction * (reach - ahead).max(1.0);
-        let (line, join) = self.settle(&[from, to], leaving, &self.relaxed)?;
+        line.clear();
+        line.extend([from, to]);
+        let join = self.settle(line, leaving, &self.relaxed)?;
         let end = line[line.len() - 1];
         // Streets meet rather square than aslant.
         let met = match join {
@@ -175,7 +195,7 @@ impl Work<'_> {
     fn build_best(&mut self, mut mends: Vec<Mend>, limits: &Limits, tries: usize) -> bool {
         mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         for m in mends.into_iter().take(tries) {
-            self.proposal.line(&m.line, m.first, m.last);
+            self.proposal.line(&m.line[..m.points], m.first, m.last);
             if self.build_if_fits(limits, MadeBy::Repair) {
                 return true;
             }
@@ -234,23 +254,42 @@ impl Work<'_> {
         let length = self.brief.style.local.length;
         let most = 2.6 * length * length;
         let mut added = 0;
-        for (face, edges) in self.blocks() {
-            let area = face.area();
-            if area > most && self.divide(&face, &edges) {
+        let blocks = self.blocks();
+        // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.
+        let edges = blocks.iter().flat_map(|(_, edges)| edges.iter().flatten());
+        let mut sides: Vec<u8> = Vec::new();
+        for &e in edges {
+            let e = e as usize;
+            sides.resize(sides.len().max(e + 1), 0);
+            sides[e] = sides[e].saturating_add(1);
+        }
+        for (face, edges) in blocks {
+            if face.area() > most && self.divide(&face, &edges, &sides) {
                 added += 1;
             }
         }
         added
     }
 
-    /// Lays a street across a block, from one of its local streets to another.
-    fn divide(&mut self, face: &Face, edges: &[Option<EdgeIx>]) -> bool {
+    /// Lays a street across a block, from one of its local streets to another. `sides` is the number of blocks at each edge
+    /// of the graph; younger edges are missing there.
+    fn divide(&mut self, face: &Face, edges: &[Option<EdgeIx>], sides: &[u8]) -> bool {
         let bounds = Bounds::of(face.polygon.iter().copied());
         self.canvas.gather(bounds, 20.0, &mut self.near);
         let middle = centroid(&face.polygon);
         let limits = Limits { gap: self.limits.gap, wall_gap: self.limits.wall_gap, ..self.relaxed };
         let reach = bounds.size().length();
+        // A street across the block can only meet what is around it and in it first.
+        std::mem::swap(&mut self.near, &mut self.around);
+        self.near.origin = self.around.origin;
+        self.near.segs.clear();
+        self.near.tips.clone_from(&self.around.tips);
+        let is_met = |s: &&Seg| {
+            s.is_wall() || sides.get(s.edge as usize).is_none_or(|n| *n < 2) || edges.contains(&Some(s.edge))
+        };
+        self.near.segs.extend(self.around.segs.iter().filter(is_met));
         let mut mends: Vec<Mend> = Vec::new();
+        let mut line = Vec::new();
         for (i, edge) in edges.iter().enumerate() {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
@@ -261,17 +300,18 @@ impl Work<'_> {
                 let start = from + inward * 0.5;
                 for angle in [0.0, 0.3, -0.3] {
                     let direction = rotate(inward, angle);
-                    if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE) {
+                    if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line) {
                         if last == Join::On(edge) {
                             continue;
                         }
                         let off = ((from + end) / 2.0).distance(middle);
                         let cost = distance * (1.0 + 0.5 * angle.abs()) + 1.5 * off;
-                        mends.push(Mend { cost, line: vec![from, end], first: Join::On(edge), last });
+                        mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
                     }
                 }
             }
         }
+        self.unfocus();
         self.build_best(mends, &limits, TRIES)
     }
 

@@ -1,0 +1,103 @@
+//! Where a proposal meets the graph, and how far everything else is from there along the network.
+
+use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::proposal::{Join, Limits};
+use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
+use crate::space::math::angle_between;
+use glam::DVec2;
+
+/// An edge near a joint along the network, with the distances of its ends along the network.
+#[derive(Clone, Copy)]
+pub(super) struct Reached {
+    pub edge: EdgeIx,
+    pub va: VertexIx,
+    pub from_a: f64,
+    pub from_b: f64,
+}
+
+/// Where a proposal meets the graph, and what is near there along the network.
+#[derive(Default)]
+pub(super) struct Joint {
+    pub point: usize,
+    pub at: DVec2,
+    pub vertex: VertexIx,
+    pub edge: EdgeIx,
+    pub is_port: bool,
+    pub reached: Vec<Reached>,
+    pub shared: Vec<EdgeIx>,
+    pub ports: Vec<(DVec2, f64)>,
+}
+
+impl Joint {
+    pub fn incident(&self, s: &Seg) -> bool {
+        !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
+    }
+
+    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
+    pub fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
+        let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
+        let around = around.fold(f64::INFINITY, f64::min);
+        let through = self.reached.iter().filter(|x| {
+            let (va, vb) = (canvas.graph.edge(x.edge).a, canvas.graph.edge(x.edge).b);
+            x.edge == other.edge || (other.vertex != NONE && (va == other.vertex || vb == other.vertex))
+        });
+        let through = through.map(|x| {
+            let e = canvas.graph.edge(x.edge);
+            let (da, db) = if x.va == e.a { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
+            (da + canvas.graph.at(e.a).distance(other.at)).min(db + canvas.graph.at(e.b).distance(other.at))
+        });
+        through.fold(around, f64::min)
+    }
+
+    /// Distance along the network from the joint to the point `r` of an obstacle.
+    pub fn along(&self, s: &Seg, r: DVec2) -> f64 {
+        if s.is_wall() {
+            return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
+        }
+        if self.edge == s.edge {
+            return self.at.distance(r);
+        }
+        self.reached.binary_search_by_key(&s.edge, |x| x.edge).map_or(f64::INFINITY, |x| {
+            let x = &self.reached[x];
+            let (da, db) = if x.va == s.va { (x.from_a, x.from_b) } else { (x.from_b, x.from_a) };
+            (da + s.a.distance(r)).min(db + s.b.distance(r))
+        })
+    }
+}
+
+/// Whether a street that leaves `at` in `direction`, where it meets what is there by `join`, may do so beside the streets
+/// there.
+pub(super) fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2, limits: &Limits) -> bool {
+    let g = &canvas.graph;
+    match join {
+        Join::At(v) => {
+            let degree = g.degree(v);
+            if canvas.nodes[v as usize].port.is_some() {
+                return degree == 0;
+            }
+            let least = if degree == 1 { limits.min_bend } else { limits.min_angle };
+            degree > 0 && degree < limits.max_degree && g.smallest_angle(v, direction) >= least
+        }
+        Join::On(e) => {
+            let e = g.edge(e);
+            [e.a, e.b].into_iter().all(|end| angle_between(direction, g.at(end) - at) >= limits.min_angle)
+        }
+        Join::Free(_) => true,
+    }
+}
+
+/// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
+/// must keep away from it.
+pub(super) fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
+    near.segs.iter().all(|s| {
+        s.is_wall()
+            || joint.shared.contains(&s.edge)
+            || nearest(joint.at, s.a, s.b).distance_squared(joint.at) >= STREET_FLOOR * STREET_FLOOR
+    })
+}
+
+/// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
+pub(super) fn keeps_off_walls(joint: &Joint, near: &Near) -> bool {
+    near.segs.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
+}
