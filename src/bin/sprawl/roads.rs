@@ -18,7 +18,7 @@ use bevy_sprawl::terrain::RasterTerrain;
 use bevy_sprawl::world::Settings;
 use compare::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
-use ron::Value;
+use ron::{Map, Value};
 use serde_json::json;
 use std::path::Path;
 use std::sync::Arc;
@@ -162,6 +162,29 @@ fn lay_over(under: Value, over: Value) -> Value {
     }
 }
 
+/// A value without what is one of a few words, which [`Value`] does not hold.
+fn without_words(value: Value) -> Value {
+    match value {
+        Value::Map(map) => {
+            let mut held = Map::new();
+            for (key, value) in map.into_iter().filter(|(_, v)| *v != Value::Unit) {
+                held.insert(key, without_words(value));
+            }
+            Value::Map(held)
+        }
+        other => other,
+    }
+}
+
+/// Whether settings of roads say how those of a class cross highways.
+fn gives_crossing(given: &Value, class: &str) -> bool {
+    let field = |value: &Value, name: &str| match value {
+        Value::Map(map) => map.iter().find(|(k, _)| **k == Value::String(name.into())).map(|(_, v)| v.clone()),
+        _ => None,
+    };
+    field(given, class).is_some_and(|of| field(&of, "over_highways").is_some())
+}
+
 /// Settings of roads: those for a finite domain, with what a file says in their place.
 fn roads(file: Option<&SettingsFile>, step: i64, gamma: Option<f64>) -> Result<RoadSettings, Fail> {
     let mut out = RoadSettings::finite(step);
@@ -169,8 +192,17 @@ fn roads(file: Option<&SettingsFile>, step: i64, gamma: Option<f64>) -> Result<R
         let failed = |e: &dyn std::fmt::Display| Fail::Input(format!("{}: {e}", file.name));
         let usual = ron::to_string(&out).map_err(|e| failed(&e))?;
         let usual: Value = ron::from_str(&usual).map_err(|e| failed(&e))?;
-        out = lay_over(usual, given).into_rust().map_err(|e| failed(&e))?;
+        let kept = out.clone();
+        out = without_words(lay_over(usual, given.clone())).into_rust().map_err(|e| failed(&e))?;
         out.step = step;
+        let read = &file.settings.roads;
+        for (class, to, read, kept) in [
+            ("highway", &mut out.highway, &read.highway, &kept.highway),
+            ("major", &mut out.major, &read.major, &kept.major),
+            ("minor", &mut out.minor, &read.minor, &kept.minor),
+        ] {
+            to.over_highways = if gives_crossing(&given, class) { read.over_highways } else { kept.over_highways };
+        }
     }
     for tier in [&mut out.highway, &mut out.major, &mut out.minor] {
         tier.gamma = gamma.unwrap_or(tier.gamma);
