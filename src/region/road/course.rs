@@ -72,8 +72,15 @@ pub(super) struct Course {
 /// A course, if the land lets one through.
 pub(super) struct Found(pub Option<Arc<Course>>);
 
-/// Courses that pass through a tile.
-pub(super) struct Listed(pub Vec<Arc<Course>>);
+/// Two settlements whose road, if there is one, may pass through a tile: it keeps near the line.
+struct Candidate {
+    ends: [Arc<Settlement>; 2],
+    /// The way on the wide lattice, in plan metres.
+    line: Vec<DVec2>,
+}
+
+/// The roads that may pass through a tile.
+pub(super) struct Listed(Vec<Candidate>);
 
 impl Weigh for Found {
     fn bytes(&self) -> usize {
@@ -83,8 +90,16 @@ impl Weigh for Found {
 
 impl Weigh for Listed {
     fn bytes(&self) -> usize {
-        // The courses themselves live as long as a tile names them.
-        self.0.iter().map(|c| 8 + c.bytes()).sum::<usize>() + 24
+        self.0.iter().map(|c| size_of::<Candidate>() + c.line.len() * size_of::<DVec2>()).sum::<usize>() + 24
+    }
+}
+
+impl Candidate {
+    /// Whether the road may come into `bounds` (plan metres).
+    fn nears(&self, bounds: Bounds, work: &Work) -> bool {
+        let t = work.settings.tier(tier_of(&self.ends[0], &self.ends[1]));
+        let room = bounds.grown(t.corridor + 2.0 * work.settings.step as f64);
+        segments(&self.line).any(|(p, q)| Bounds::of([p, q]).overlaps(room))
     }
 }
 
@@ -127,20 +142,26 @@ pub(super) fn courses(
         let found = finite.courses(tier).iter().filter(|c| c.passes(bounds, work.settings.step));
         return Ok(found.cloned().collect());
     }
-    let size = LISTED_BY;
-    let (min, max) = ((bounds.min / size).floor().as_i64vec2(), (bounds.max / size).floor().as_i64vec2());
-    let mut out: Vec<Arc<Course>> = Vec::new();
+    let (min, max) = ((bounds.min / LISTED_BY).floor().as_i64vec2(), (bounds.max / LISTED_BY).floor().as_i64vec2());
+    let mut tiles = Vec::new();
     for y in min.y..=max.y {
         for x in min.x..=max.x {
-            let listed = work.listed.get(&(tier as u8, x, y), || {
-                let corner = DVec2::new(x as f64, y as f64) * size;
-                list(work, tier, Bounds::new(corner, corner + size), cancel).map(Listed)
-            })?;
-            out.extend(listed.0.iter().filter(|c| c.passes(bounds, work.settings.step)).cloned());
+            tiles.push(work.listed.get(&(tier as u8, x, y), || {
+                let corner = DVec2::new(x as f64, y as f64) * LISTED_BY;
+                list(work, tier, Bounds::new(corner, corner + LISTED_BY), cancel).map(Listed)
+            })?);
         }
     }
+    let mut candidates: Vec<&Candidate> = tiles.iter().flat_map(|t| &t.0).collect();
+    candidates.sort_by_key(|c| [c.ends[0].id, c.ends[1].id]);
+    candidates.dedup_by_key(|c| [c.ends[0].id, c.ends[1].id]);
+    let mut out: Vec<Arc<Course>> = Vec::new();
+    // A road is made only where it may come in.
+    for c in candidates.into_iter().filter(|c| c.nears(bounds, work)) {
+        let course = course(work, &c.ends[0], &c.ends[1], cancel)?;
+        out.extend(course.filter(|c| c.passes(bounds, work.settings.step)));
+    }
     out.sort_by_key(|c| c.id);
-    out.dedup_by_key(|c| c.id);
     Ok(out)
 }
 
@@ -149,7 +170,7 @@ fn distance_to_box(p: DVec2, b: Bounds) -> f64 {
     (b.min - p).max(p - b.max).max(DVec2::ZERO).length()
 }
 
-fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Course>>, LayerError> {
+fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<Vec<Candidate>, LayerError> {
     let t = work.settings.tier(tier);
     let step = work.settings.step;
     // Both ends of a road lie on an ellipse around each of its points, no more than the reach from each other.
@@ -169,11 +190,10 @@ fn list(work: &Work, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<V
             {
                 continue;
             }
-            let Some(way) = way(work, tier, a, b, cancel)? else { continue };
-            let room = tile.grown(t.corridor + 2.0 * step as f64);
-            let passes = segments(&way).any(|(p, q)| Bounds::of([p, q]).overlaps(room));
-            if passes && kept(work, a, b, cancel)? {
-                out.extend(course(work, a, b, cancel)?.filter(|c| c.passes(tile, step)));
+            let Some(line) = way(work, tier, a, b, cancel)? else { continue };
+            let candidate = Candidate { ends: [a.clone(), b.clone()], line };
+            if candidate.nears(tile, work) {
+                out.push(candidate);
             }
         }
     }
@@ -194,7 +214,7 @@ pub(super) fn courses_of(
     let mut out = Vec::new();
     for other in &all {
         let candidate = other.id != s.id && tier_of(s, other) == tier && beeline(s, other) <= t.reach;
-        if candidate && is_tried(work, s, other, &all)? && kept(work, s, other, cancel)? {
+        if candidate && is_tried(work, s, other, &all)? {
             out.extend(course(work, s, other, cancel)?);
         }
     }
@@ -202,7 +222,7 @@ pub(super) fn courses_of(
     Ok(out)
 }
 
-/// The course between two settlements whose pair is kept; settlements that touch need none.
+/// The course between two settlements, if the proximity rule keeps their pair; settlements that touch need none.
 pub(super) fn course(
     work: &Work,
     a: &Settlement,
@@ -211,7 +231,8 @@ pub(super) fn course(
 ) -> Result<Option<Arc<Course>>, LayerError> {
     let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
     let found = work.courses.get(&(a.id, b.id), || {
-        let course = if work.places.touch(a, b)? { None } else { find(work, a, b, cancel)? };
+        let built = kept(work, a, b, cancel)? && !work.places.touch(a, b)?;
+        let course = if built { find(work, a, b, cancel)? } else { None };
         Ok(Found(course.map(Arc::new)))
     })?;
     Ok(found.0.clone())

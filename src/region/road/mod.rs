@@ -294,6 +294,20 @@ impl Work {
         self.graphs.get(&tile.to_array(), || graph::graph(self, tile, cancel))
     }
 
+    /// Vertices of the graph before merging within `distance` metres of the tile.
+    fn near(&self, tile: I64Vec2, distance: f64, cancel: &Cancel) -> Result<Vec<graph::Vertex>, LayerError> {
+        let own = graph::tile_bounds(tile, self.settings.step);
+        let ring = (distance / own.size().x).ceil() as i64;
+        let near = Bounds::new(DVec2::ZERO, own.size()).grown(distance);
+        let mut out = Vec::new();
+        for t in around(tile, ring) {
+            let graph = self.graph(t, cancel)?;
+            let is_near = |v: &&graph::Vertex| near.contains(v.place.local_to(Origin::at(own.min)));
+            out.extend(graph.vertices.values().filter(is_near).cloned());
+        }
+        Ok(out)
+    }
+
     fn shapes(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<shape::Shapes>, LayerError> {
         self.shapes.get(&tile.to_array(), || {
             let around = around(tile, shape::RING).map(|t| self.separated(t, cancel));

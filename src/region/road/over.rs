@@ -75,7 +75,7 @@ struct Stop {
 }
 
 /// Length in metres of the longest way in the graph, and of the longest ramp.
-fn longest(settings: &RoadSettings) -> f64 {
+pub(super) fn longest(settings: &RoadSettings) -> f64 {
     longest_connector(settings).max(longest_stem(settings))
 }
 
@@ -90,17 +90,20 @@ pub(super) fn padding(settings: &RoadSettings) -> f64 {
 pub(super) fn separated(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<Graph>, LayerError> {
     let own = work.feet(tile, cancel)?;
     let rules = |class| work.settings.class(class).over_highways != Crossing::Junction;
-    if ![StreetClass::Highway, StreetClass::Major, StreetClass::Minor].into_iter().any(rules) {
+    let lets = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor].into_iter().any(rules);
+    if own.vertices.is_empty() || !lets {
         return Ok(own);
     }
-    // Most tiles have no highway near, and there the graph after merging is not needed.
+    // Most tiles have no highway near, or nothing that crosses it, and there the graph after merging is not needed: a way to the
+    // crossing, one whose foot has moved there, and half of one to a vertex that its road had before.
     let is_highway = |v: &Vertex| v.ways.iter().any(|w| w.rank.class == StreetClass::Highway);
     let ring = (padding(&work.settings) / (TILE_STEPS * work.settings.step) as f64).ceil() as i64;
-    let mut near = false;
-    for t in around(tile, ring) {
-        near |= work.graph(t, cancel)?.vertices.values().any(is_highway);
+    let (mut highway, mut others, mut rank) = (false, false, None);
+    for v in work.near(tile, 2.5 * longest(&work.settings), cancel)? {
+        highway |= is_highway(&v);
+        others |= v.ways.iter().any(|w| *rank.get_or_insert(w.rank) != w.rank);
     }
-    if !near {
+    if !highway || !others {
         return Ok(own);
     }
     let graphs = around(tile, ring).map(|t| work.feet(t, cancel)).collect::<Result<Vec<_>, _>>()?;

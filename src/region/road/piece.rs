@@ -2,7 +2,7 @@
 
 use super::course::Course;
 use super::graph::{Graph, Key, tile_bounds};
-use super::over::{CLEARANCE, HALF_LENGTH, rise};
+use super::over::{CLEARANCE, HALF_LENGTH, longest, rise};
 use super::profile::Profile;
 use super::shape::{Shape, Shapes, corner};
 use super::{Road, Work};
@@ -110,15 +110,24 @@ impl Walk<'_> {
 pub(super) fn pieces(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Pieces, LayerError> {
     cancel.check()?;
     let own = tile_bounds(tile, work.settings.step);
-    let mut walk = Walk { work, cancel, graphs: BTreeMap::new(), shapes: BTreeMap::new() };
-    let mut lines: BTreeMap<[Key; 2], Vec<Key>> = BTreeMap::new();
     // Edges reach less than three steps over a tile's border; rounding off moves lines by less than one, and so does bending
     // them to settlements that are nodes.
-    let near = own.grown(2.0 * work.settings.step as f64);
+    let margin = 2.0 * work.settings.step as f64;
+    // Vertices lie on ways that were there before merging, or on one between two vertices of that time.
+    let longest = longest(&work.settings);
+    let before = work.near(tile, margin + 1.5 * longest, cancel)?;
+    let near = own.grown(margin);
+    let mut walk = Walk { work, cancel, graphs: BTreeMap::new(), shapes: BTreeMap::new() };
+    let mut lines: BTreeMap<[Key; 2], Vec<Key>> = BTreeMap::new();
     let mut done: Vec<[Key; 2]> = Vec::new();
     for y in -1..=1 {
         for x in -1..=1 {
-            let graph = walk.graph(tile + I64Vec2::new(x, y))?;
+            let tile = tile + I64Vec2::new(x, y);
+            let reached = tile_bounds(tile, work.settings.step).grown(longest / 2.0);
+            if !before.iter().any(|v| reached.contains(v.place.origin.to_plan(v.place.offset))) {
+                continue;
+            }
+            let graph = walk.graph(tile)?;
             for (key, v) in &graph.vertices {
                 for way in &v.ways {
                     let origin = Origin::at(own.min);

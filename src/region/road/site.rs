@@ -217,7 +217,6 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
     let local = |node: I64Vec2| outline.origin.to_local(node_at(node, step));
     let polygon = &outline.polygon;
     let margin = 0.33 * step as f64;
-    let lengths = STENCIL.map(|s| s.as_dvec2().length() * step as f64);
     let mut closed = vec![0u16; window.len()];
     let mut close = |node: I64Vec2, heading: usize| {
         for (node, heading) in [(node, heading), (node + STENCIL[heading], (heading + 8) % 16)] {
@@ -228,8 +227,8 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
     };
     for (i, a) in polygon.iter().enumerate() {
         let b = polygon[(i + 1) % polygon.len()];
-        let near = Bounds::of([*a, b]).moved(outline.origin.plan());
-        let part = Window::around(near.grown(margin), step);
+        let side = Bounds::of([*a, b]).grown(margin);
+        let part = Window::around(side.moved(outline.origin.plan()), step);
         // The point of an edge that is nearest lies within half its length of one of its ends.
         let (min, max) = (part.min - 1, part.min + part.size + 1);
         for y in min.y..max.y {
@@ -240,12 +239,10 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                 let node_near = off < 0.5 * step as f64;
                 for (heading, s) in STENCIL.iter().enumerate() {
                     let q = p + s.as_dvec2() * step as f64;
-                    let passes = || {
-                        off < margin + lengths[heading] / 2.0
-                            && Bounds::of([p, q]).grown(margin).overlaps(Bounds::of([*a, b]))
-                            && segment_distance(p, q, *a, b) < margin
-                    };
-                    if node_near || passes() {
+                    let passes = || Bounds::of([p, q]).overlaps(side) && segment_distance(p, q, *a, b) < margin;
+                    // The other end of an edge asks for it, too.
+                    let asked = || heading >= 8 && part.contains(node + *s);
+                    if node_near || (!asked() && passes()) {
                         close(node, heading);
                     }
                 }
@@ -260,6 +257,7 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
     }
     for tie in ties {
         let end = local(tie.node);
+        let near = Bounds::of([tie.gate, end]).grown(TIE_CLEARANCE);
         for y in -4..=4 {
             for x in -4..=4 {
                 let node = tie.node + I64Vec2::new(x, y);
@@ -269,7 +267,7 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                     let meets = if ends_there {
                         leads_back(tie, end, if node == tie.node { q } else { p })
                     } else {
-                        segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE
+                        Bounds::of([p, q]).overlaps(near) && segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE
                     };
                     if meets {
                         close(node, heading);

@@ -1,6 +1,6 @@
 //! Feet of lesser roads, moved along the better road that they stand on: out of sharp angles and bends, and to the foot of
-//! another that stands a little further on the far side, so that two forks become one crossing. Small triangles of roads
-//! lose the last of their sides in rank.
+//! another that stands a little further on the far side, so that two forks become one crossing. Small rings of roads lose the
+//! last of their sides in rank (`ring`).
 //!
 //! A foot moves within the better road's stretch to the next junction and sweeps a triangle (or two) that nothing enters, so
 //! the graph stays planar and joined: the way from the old foot to the new one is part of the better road. From both ends of
@@ -41,11 +41,6 @@ const CROSSING_WORTH: f64 = 1.3;
 /// Greatest distance in metres along a road of two feet that become one crossing.
 fn staggered(settings: &RoadSettings) -> f64 {
     0.7 * settings.merge
-}
-
-/// Greatest sum of the sides of a triangle that loses one, in metres.
-fn small(settings: &RoadSettings) -> f64 {
-    2.0 * settings.merge
 }
 
 /// Length in metres of the longest way whose foot moves.
@@ -119,12 +114,12 @@ struct Stretch {
     length: f64,
 }
 
-struct Feet<'a> {
-    rules: Rules<'a>,
+pub(super) struct Feet<'a> {
+    pub(super) rules: Rules<'a>,
 }
 
 impl Feet<'_> {
-    fn net(&self) -> &Net {
+    pub(super) fn net(&self) -> &Net {
         &self.rules.net
     }
 
@@ -212,34 +207,9 @@ impl Feet<'_> {
         }
     }
 
-    /// Whether a way is the last in rank of the sides of a small triangle.
-    fn is_last(&self, edge: usize) -> bool {
-        let net = self.net();
-        let order = |e: usize| {
-            let [a, b] = net.edges[e].ends.map(|n| net.nodes[n].key);
-            (net.edges[e].rank, a.min(b), a.max(b))
-        };
-        let plain = |e: usize| net.edges[e].level == 0 && !net.edges[e].fixed;
-        let sides = |node: usize| net.nodes[node].ways.iter().copied().filter(move |e| *e != edge && plain(*e));
-        let [a, b] = net.edges[edge].ends;
-        let length = |e: usize| net.apart(net.edges[e].ends[0], net.edges[e].ends[1]);
-        let is_small = |f: usize, g: usize| {
-            net.far(f, a) == net.far(g, b)
-                && length(edge) + length(f) + length(g) <= small(&self.rules.work.settings)
-                && order(f) < order(edge)
-                && order(g) < order(edge)
-        };
-        plain(edge) && sides(a).any(|f| sides(b).any(|g| is_small(f, g)))
-    }
-
     /// Number of ways that stay at a vertex.
-    fn stays(&self, node: usize) -> usize {
+    pub(super) fn stays(&self, node: usize) -> usize {
         self.net().nodes[node].ways.iter().filter(|e| !self.wants(**e, node)).count()
-    }
-
-    /// Whether a way goes.
-    fn goes(&self, edge: usize) -> bool {
-        self.is_last(edge) && self.net().edges[edge].ends.iter().all(|n| self.stays(*n) >= 2)
     }
 
     /// Whether a way is one that may be moved.

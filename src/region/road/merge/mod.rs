@@ -26,6 +26,7 @@
 mod connect;
 mod feet;
 mod net;
+mod ring;
 mod rules;
 
 use super::graph::{Graph, TILE_STEPS, tile_bounds};

@@ -153,6 +153,12 @@ fn nor_along_a_line_of_worlds() {
 }
 
 #[test]
+fn no_road_crosses_another_to_come_back_to_it() {
+    let found = flaws_of([drawn(70)].into_iter(), MERGE);
+    assert!(found.spikes.is_empty() && found.km > 50.0, "{found:?}");
+}
+
+#[test]
 fn flaws_are_there_without_merging() {
     let (before, after) = (flaws_of((0..8).map(drawn), 0.0), flaws_of((0..8).map(drawn), MERGE));
     assert!(before.sharp.len() > 8 && !before.twins.is_empty(), "{before:?}");
