@@ -1,0 +1,115 @@
+//! Towns that rivers run through, in worlds of many seeds.
+
+use super::*;
+use crate::network::Street;
+use crate::region::{Outline, Settlement, SizeClass, Waterway};
+use crate::space::math::angle_between;
+use crate::space::{point_at, point_in_polygon, segments, signed_area};
+use crate::town::{CellUse, Town};
+
+/// Towns and cities of a world around its origin, with how many there are.
+fn river_towns(world: &World, size: f64) -> (usize, Vec<(Arc<Settlement>, Arc<Outline>)>) {
+    let near = Bounds::square(DVec2::ZERO, size);
+    let mut all = world.settlements().centred_in_of(near, SizeClass::Town).expect("nothing is cancelled");
+    all.extend(world.settlements().centred_in_of(near, SizeClass::City).expect("nothing is cancelled"));
+    let count = all.len();
+    let with = all.into_iter().map(|s| {
+        let outline = world.settlements().outline(&s).expect("nothing is cancelled");
+        (s, outline)
+    });
+    (count, with.filter(|(_, o)| o.river.is_some()).collect())
+}
+
+fn wet(world: &World, p: DVec2) -> bool {
+    world.layers().terrain().sample(p).depth() > 0.0
+}
+
+/// Bridges of a plan, checked against the river; all else keeps off it.
+fn check_plan(world: &World, town: &Town, way: &Waterway, what: &str) -> usize {
+    let mut bridges = 0;
+    for main in &town.mains {
+        let line = &main.street.line;
+        let crosses = segments(line).any(|(a, b)| way.crosses(a, b));
+        assert_eq!(main.street.bridge, crosses, "{what}: a bridge at {}", line[0]);
+        if crosses {
+            bridges += 1;
+            let (a, b) = (line[0], line[line.len() - 1]);
+            let across = way.banks.iter().map(|bank| nearest_heading(bank, a, b));
+            for heading in across {
+                let off = (angle_between(heading, b - a) - std::f64::consts::FRAC_PI_2).abs();
+                assert!(off < 0.45, "{what}: a bridge at {off:.2} off the square");
+            }
+            assert!(a.distance(b) < 230.0, "{what}: {} m", a.distance(b));
+            assert!(!wet(world, town.origin.to_plan(a)) && !wet(world, town.origin.to_plan(b)), "{what}: {a}");
+        } else {
+            let length = main.street.length();
+            for i in 0..=(length / 5.0) as usize {
+                let p = town.origin.to_plan(point_at(line, i as f64 * 5.0).0);
+                assert!(!wet(world, p), "{what}: a street in water at {p}");
+            }
+        }
+    }
+    let water: Vec<_> = town.cells.iter().filter(|c| c.used_as == CellUse::Water).collect();
+    let area: f64 = water.iter().map(|c| signed_area(&c.border)).sum();
+    assert!((area - signed_area(&way.bed())).abs() < 1.0, "{what}: the bed is not the river's cells");
+    assert_eq!(water.len(), bridges + 1, "{what}");
+    bridges
+}
+
+/// Heading of a bank line where the way from `a` to `b` meets it.
+fn nearest_heading(bank: &[DVec2], a: DVec2, b: DVec2) -> DVec2 {
+    let middle = a.lerp(b, 0.5);
+    let piece = segments(bank).min_by(|x, y| {
+        crate::space::distance_to_segment(middle, x.0, x.1)
+            .total_cmp(&crate::space::distance_to_segment(middle, y.0, y.1))
+    });
+    piece.map_or(DVec2::X, |(p, q)| q - p)
+}
+
+#[test]
+fn bridges_lead_over_the_rivers_that_run_through_towns() {
+    let (mut towns, mut with, mut bridges) = (0, 0, 0);
+    for seed in 1..=6 {
+        let world = World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).unwrap();
+        let (count, found) = river_towns(&world, 40_000.0);
+        towns += count;
+        with += found.len();
+        for (settlement, outline) in found {
+            let what = format!("seed {seed}, {} at {}", settlement.name, settlement.centre.plan());
+            let town = world.town(&settlement, &Cancel::new()).unwrap();
+            let way = outline.river.as_ref().unwrap();
+            let count = check_plan(&world, &town.town, way, &what);
+            println!("{what}: radius {:.0}, {} bridges, {}", settlement.radius, count, settlement.style);
+            assert!(count > 0, "{what}: no bridge");
+            bridges += count;
+        }
+    }
+    println!("{with} of {towns} towns have a river, {bridges} bridges");
+    assert!(with > 5, "{with} of {towns}");
+}
+
+#[test]
+fn nothing_is_built_in_rivers() {
+    for seed in 1..=3 {
+        let world = World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).unwrap();
+        for (settlement, outline) in river_towns(&world, 40_000.0).1.into_iter().take(2) {
+            let bounds = Bounds::square(settlement.centre.plan(), 2.0 * (settlement.radius + 200.0));
+            let area = world.area(bounds, &Cancel::new()).unwrap();
+            let found = audit(&area);
+            assert!(found.is_empty(), "{}", found[0]);
+            let bed = outline.river.as_ref().unwrap().bed();
+            for footprint in &area.footprints {
+                for p in &footprint.it.polygon {
+                    let plan = area.origin.to_plan(*p);
+                    assert!(!wet(&world, plan), "a building in water at {plan}");
+                    assert!(!point_in_polygon(outline.origin.to_local(plan), &bed), "a building in a bed at {plan}");
+                }
+            }
+            let dry = |s: &Street| segments(&s.line).all(|(a, b)| !wet(&world, area.origin.to_plan(a.lerp(b, 0.5))));
+            let local = area.streets.iter().map(|s| &s.it.street).filter(|s| !s.class.is_road() && !s.bridge);
+            for street in local {
+                assert!(dry(street), "a street in water at {}", area.origin.to_plan(street.line[0]));
+            }
+        }
+    }
+}
