@@ -28,7 +28,7 @@ pub struct Outline {
     /// Origin the polygon is local to: the settlement's centre.
     pub origin: Origin,
     /// Counter-clockwise, on the quantum grid, neighbours 40 to 90 m apart, star-shaped about (0, 0). Between two borders
-    /// that end near each other, and where water draws it in, vertices may be nearer or farther.
+    /// that end near each other, where water draws it in, and where a river leaves it, vertices may be nearer or farther.
     pub polygon: Vec<DVec2>,
     /// Borders with settlements that it touches, in order along the polygon.
     pub shared: Vec<SharedBorder>,

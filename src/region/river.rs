@@ -12,7 +12,7 @@ use glam::DVec2;
 use std::f64::consts::PI;
 
 /// Distance of bank lines from the water, in metres: room for the bank and half a street.
-pub(super) const BANK: f64 = 18.0;
+pub(super) const BANK: f64 = 20.0;
 /// Least radius of a settlement that spreads over a river, in metres.
 pub(super) const LEAST_RADIUS: f64 = 320.0;
 /// Distance between stations in metres.
@@ -229,10 +229,9 @@ fn stations(wet: &mut Wet<'_>, sections: &[Section]) -> Option<River> {
             })
     };
     let fine: Vec<bool> = (0..n).map(|i| good(i, wet)).collect();
-    let mut best = 0..0;
-    let mut start = 0;
-    for i in 0..=n {
-        if i == n || !fine[i] {
+    let (mut best, mut start) = (0..0, 0);
+    for (i, fine) in fine.into_iter().chain([false]).enumerate() {
+        if !fine {
             if i - start > best.len() {
                 best = start..i;
             }

@@ -26,7 +26,7 @@ const GATE_ROOM: f64 = 45.0;
 pub struct Waterway {
     /// Middle of the water, from before it enters the outline to after it has left.
     pub middle: Vec<DVec2>,
-    /// Bank lines, left and right of the way along the middle, on the quantum grid, about 18 m from the water. They begin and
+    /// Bank lines, left and right of the way along the middle, on the quantum grid, about 20 m from the water. They begin and
     /// end in vertices of the outline.
     pub banks: [Vec<DVec2>; 2],
     /// The outline's vertices in which each bank line begins and ends.
@@ -133,7 +133,8 @@ impl Waterway {
                 }
             }
         }
-        if (0..n).any(|i| gone[i] && held[i]) {
+        let on_border = |exit: &Exit| held[exit.edge] && held[(exit.edge + 1) % n];
+        if [out_right, out_left, in_left, in_right].iter().any(on_border) || (0..n).any(|i| gone[i] && held[i]) {
             return None;
         }
         let (mut out, mut moved) = (Vec::with_capacity(n + 4), vec![None; n]);

@@ -1,14 +1,46 @@
 //! Towns that rivers run through, in worlds of many seeds.
 
 use super::*;
-use crate::network::Street;
+use crate::network::{JunctionId, Street};
 use crate::region::{Outline, Settlement, SizeClass, Waterway};
-use crate::space::math::angle_between;
+use crate::space::math::{angle_between, cos, sin};
 use crate::space::{point_at, point_in_polygon, segments, signed_area};
+use crate::terrain::{Terrain, TerrainSample};
 use crate::town::{CellUse, Town};
+use std::collections::BTreeMap;
 
-/// Towns and cities of a world around its origin, with how many there are.
-fn river_towns(world: &World, size: f64) -> (usize, Vec<(Arc<Settlement>, Arc<Outline>)>) {
+type Found = Vec<(Arc<Settlement>, Arc<Outline>)>;
+
+/// Ground full of rivers that wind, of widths up to `widest`, 1,700 m apart.
+struct Valleys {
+    widest: f64,
+    bend: f64,
+    phase: f64,
+}
+
+impl Valleys {
+    /// A draw of such ground: bends from none to narrow ones.
+    fn draw(seed: u64) -> Self {
+        let mut s = Seed(seed).stream("valleys", &[]);
+        Self { widest: s.range(20.0, 118.0), bend: s.range(0.0, 0.6), phase: s.range(0.0, 6.0) }
+    }
+}
+
+impl Terrain for Valleys {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        let (wave, length) = (p.x / 220.0 + self.phase, 220.0);
+        let slope = self.bend * cos(wave);
+        let off = p.y - self.bend * length * sin(wave);
+        let k = (off / 1700.0).round();
+        let width = self.widest * (0.75 + 0.25 * sin(p.x / 700.0 + k));
+        let beside = (off - k * 1700.0).abs() / (1.0 + slope * slope).sqrt() - width / 2.0;
+        let land = 12.0 + 3.0 * sin(p.x / 900.0) * sin(p.y / 700.0);
+        TerrainSample { height: (beside * 0.2).clamp(-3.0, land), water_level: 0.0, vegetation: 0.2 }
+    }
+}
+
+/// Towns and cities of a world around its origin that rivers run through, with how many there are in all.
+fn river_towns(world: &World, size: f64) -> (usize, Found) {
     let near = Bounds::square(DVec2::ZERO, size);
     let mut all = world.settlements().centred_in_of(near, SizeClass::Town).expect("nothing is cancelled");
     all.extend(world.settlements().centred_in_of(near, SizeClass::City).expect("nothing is cancelled"));
@@ -81,6 +113,7 @@ fn bridges_lead_over_the_rivers_that_run_through_towns() {
             let count = check_plan(&world, &town.town, way, &what);
             println!("{what}: radius {:.0}, {} bridges, {}", settlement.radius, count, settlement.style);
             assert!(count > 0, "{what}: no bridge");
+            check_network(&town.town, &what);
             bridges += count;
         }
     }
@@ -112,4 +145,53 @@ fn nothing_is_built_in_rivers() {
             }
         }
     }
+}
+
+#[test]
+fn towns_lie_on_both_banks_of_every_river_that_can_be_bridged() {
+    let (mut towns, mut with, mut bridges) = (0, 0, 0);
+    for seed in 100..108 {
+        let ground = Arc::new(Valleys::draw(seed));
+        let world = World::on_terrain(Seed(seed), Settings::default(), WorldAssets::bundled(), ground).unwrap();
+        let (count, found) = river_towns(&world, 16_000.0);
+        towns += count;
+        with += found.len();
+        for (settlement, outline) in found {
+            let what = format!("seed {seed}, {} at {}", settlement.name, settlement.centre.plan());
+            let town = world.town(&settlement, &Cancel::new()).unwrap();
+            bridges += check_plan(&world, &town.town, outline.river.as_ref().unwrap(), &what);
+            check_network(&town.town, &what);
+        }
+    }
+    println!("{with} of {towns} towns have a river, {bridges} bridges");
+    assert!(with > 8, "{with} of {towns}");
+}
+
+/// The main streets of a town are one piece without dead ends but gates.
+fn check_network(town: &Town, what: &str) {
+    let mut degree: BTreeMap<JunctionId, usize> = BTreeMap::new();
+    let mut piece: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
+    fn root(piece: &BTreeMap<JunctionId, JunctionId>, mut id: JunctionId) -> JunctionId {
+        while let Some(up) = piece.get(&id).filter(|up| **up != id) {
+            id = *up;
+        }
+        id
+    }
+    for s in town.mains.iter().map(|m| &m.street) {
+        *degree.entry(s.from).or_default() += 1;
+        *degree.entry(s.to).or_default() += 1;
+        let (a, b) = (root(&piece, s.from), root(&piece, s.to));
+        piece.insert(a, b);
+    }
+    let first = root(&piece, town.junctions[0].id);
+    for junction in &town.junctions {
+        assert_eq!(root(&piece, junction.id), first, "{what}: several pieces");
+        let gate = town.gates.iter().any(|g| g.junction == junction.id);
+        assert!(gate || degree[&junction.id] > 1, "{what}: a dead end at {}", junction.at);
+    }
+    for gate in &town.gates {
+        assert!(degree.contains_key(&gate.junction), "{what}: a gate without a street");
+    }
+    let area: f64 = town.cells.iter().map(|c| signed_area(&c.border)).sum();
+    assert!((area - town.outline.area()).abs() < 1e-3, "{what}: cells cover {area} of {}", town.outline.area());
 }

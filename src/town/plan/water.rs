@@ -111,17 +111,21 @@ pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -
     let bent = path.len() > 1 && sketch.crosses_nothing(&path, End::Vertex(centre), End::Vertex(head));
     let path = if bent { path } else { vec![DVec2::ZERO, to] };
     sketch.add(&path, End::Vertex(centre), End::Vertex(head));
-    // On the farther bank streets grow from the quay, too: nothing comes from the centre.
-    let (far, mut run) = (&quays[1 - near], f64::INFINITY);
-    for (i, v) in far.iter().enumerate() {
-        run += if i > 0 { sketch.graph.at(*v).distance(sketch.graph.at(far[i - 1])) } else { 0.0 };
-        if sketch.graph.degree(*v) > 2 {
+    // On the farther bank streets grow from the quay, too: nothing comes from the centre. On both they do from its ends.
+    let far = &quays[1 - near];
+    let mut run = 0.0;
+    for pair in far.windows(2) {
+        run += sketch.graph.at(pair[0]).distance(sketch.graph.at(pair[1]));
+        if sketch.graph.degree(pair[1]) > 2 {
             run = 0.0;
-        } else if run >= sketch.rules.length.max(2.0 * STEP) && i + 1 < far.len() {
+        } else if run >= sketch.rules.length.max(2.0 * STEP) {
             run = 0.0;
-            starts.push(*v);
+            starts.push(pair[1]);
         }
     }
+    starts.extend(quays.iter().flat_map(|quay| [quay[0], quay[quay.len() - 1]]));
+    starts.sort_unstable();
+    starts.dedup();
     starts
 }
 
