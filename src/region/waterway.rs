@@ -10,7 +10,11 @@ use glam::DVec2;
 /// Least length of a bank line within an outline, in metres.
 const LEAST_LENGTH: f64 = 180.0;
 /// Least area on either side, in square metres.
-const LEAST_AREA: f64 = 25_000.0;
+const LEAST_AREA: f64 = 45_000.0;
+/// Least area on either side for each metre of bank line, in metres: how deep the ground is on average.
+const LEAST_DEPTH: f64 = 110.0;
+/// Least number of places for bridges.
+const LEAST_SPANS: usize = 4;
 /// Least distance along the outline from the end of a bank line to another vertex, in metres.
 const CORNER: f64 = 18.0;
 /// Least length of a bank line's last piece, in metres.
@@ -216,7 +220,12 @@ impl Waterway {
         star && self.banks.iter().all(|b| line_length(b) >= LEAST_LENGTH)
             && (0..2).all(|side| !meets_outline(side) && !slanted(side))
             && !meets_itself()
-            && self.parts(polygon).iter().all(|part| signed_area(part) >= LEAST_AREA)
+            && self.spans.len() >= LEAST_SPANS
+            && self
+                .parts(polygon)
+                .iter()
+                .zip(&self.banks)
+                .all(|(part, bank)| signed_area(part) >= LEAST_AREA.max(LEAST_DEPTH * line_length(bank)))
             && signed_area(&self.bed()) > 0.0
     }
 

@@ -70,14 +70,15 @@ pub fn plan(
 
     // Each way of making streets that leaves none (all of them dead ends) gives way to the next; a ring always stands.
     if radius >= rules.min_length + 1.3 * rules.margin {
-        let starts = if sketch.river.is_some() {
+        let quays = if sketch.river.is_some() {
             water::lay(&mut sketch, &style.main, &mut seed.stream("town/river", &key))
         } else {
-            Vec::new()
+            water::Quays::default()
         };
-        grow::grow(&mut sketch, &field, &mut seed.stream("town/growth", &key), &starts, cancel)?;
+        grow::grow(&mut sketch, &field, &mut seed.stream("town/growth", &key), &quays.starts, cancel)?;
         link::tie_gates(&mut sketch, cancel)?;
         link::link_tips(&mut sketch, cancel)?;
+        water::keep_far_bank(&mut sketch, &quays);
         sketch.prune();
         repair::divide_wide(&mut sketch, &field, cancel)?;
         repair::drop_pockets(&mut sketch, cancel)?;

@@ -3,7 +3,7 @@
 
 use super::grow::STEP;
 use super::link::smooth;
-use super::sketch::{End, Sketch, tidy};
+use super::sketch::{End, Limits, Sketch, tidy};
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
 use crate::region::Waterway;
 use crate::space::{Stream, closest_on_line, left_normal, segments};
@@ -14,6 +14,8 @@ use glam::DVec2;
 const BRINK: f64 = 2.0;
 /// Greatest deviation from the distance between bridges that is aimed at, as a share.
 const UNEVEN: f64 = 0.18;
+/// Least distance between the ends of a crescent, and of two bridges that bound a piece of quay, in metres.
+const CRESCENT: f64 = 90.0;
 /// Least distance from a bridge to the end of a quay, in metres.
 const QUAY_END: f64 = 20.0;
 
@@ -63,30 +65,39 @@ impl<'a> River<'a> {
     }
 }
 
+/// What is laid along a river before streets grow.
+#[derive(Default)]
+pub(super) struct Quays {
+    /// Vertices from which streets grow on.
+    pub starts: Vec<VertexIx>,
+    /// The vertices along both bank lines, from the index of the bank line's point that comes first.
+    lines: [(usize, Vec<VertexIx>); 2],
+    /// The bank line on whose side the centre lies.
+    near: usize,
+    /// The span of the first bridge.
+    first: usize,
+}
+
+impl Quays {
+    /// The vertex at a point of a bank line.
+    fn at(&self, side: usize, point: usize) -> Option<VertexIx> {
+        let (first, line) = &self.lines[side];
+        line.get(point.checked_sub(*first)?).copied()
+    }
+}
+
 /// The bank line on whose side the centre lies.
 fn near_bank(way: &Waterway) -> usize {
     let [a, b] = way.spans[way.first];
     usize::from(way.banks[0][a].length() > way.banks[1][b].length())
 }
 
-/// Lays quays, bridges and the street from the centre to the first bridge. The vertices from which streets grow on; the
-/// centre is the first of the sketch's.
-pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -> Vec<VertexIx> {
+/// Lays quays, bridges and the street from the centre, which is the first of the sketch's vertices, to the first bridge.
+pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -> Quays {
     let centre = sketch.graph.add_vertex(DVec2::ZERO);
-    let Some(way) = sketch.river.as_ref().map(|r| r.way) else { return Vec::new() };
-    let margin = sketch.rules.margin;
-    // Indices of the bank lines' points that quays run between.
-    let range = |side: usize, first: usize| {
-        let clear =
-            |i: &usize| sketch.ring.clearance(way.banks[side][*i], way.banks[side][*i], margin, |_| false) >= margin;
-        let last = way.banks[side].len() - 1;
-        let low = (1..=first).rev().take_while(clear).last()?;
-        let high = (first..last).take_while(clear).last()?;
-        Some((low, high))
-    };
-    let [left, right] = way.spans[way.first];
-    let (Some(left), Some(right)) = (range(0, left), range(1, right)) else { return Vec::new() };
-    let ranges = [left, right];
+    let Some(way) = sketch.river.as_ref().map(|r| r.way) else { return Quays::default() };
+    let near = near_bank(way);
+    let Some((first, ranges)) = first_bridge(sketch, way, near) else { return Quays::default() };
     let mut quays: [Vec<VertexIx>; 2] = [Vec::new(), Vec::new()];
     for side in 0..2 {
         let (low, high) = ranges[side];
@@ -97,14 +108,13 @@ pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -
     }
     let at = |side: usize, i: usize| quays[side][i - ranges[side].0];
     let mut starts = Vec::new();
-    for span in bridges(way, ranges, rules.bridges, stream) {
+    for span in bridges(way, first, ranges, rules.bridges, stream) {
         let [a, b] = way.spans[span];
         let (a, b) = (at(0, a), at(1, b));
         sketch.graph.add_edge(a, b, StreetClass::Main);
         starts.extend([a, b]);
     }
-    let near = near_bank(way);
-    let span = way.spans[way.first];
+    let span = way.spans[first];
     let (head, opposite) = (at(near, span[near]), at(1 - near, span[1 - near]));
     let (to, beyond) = (sketch.graph.at(head), sketch.graph.at(opposite));
     let path = tidy(smooth(DVec2::ZERO, to.normalize_or_zero(), to, (beyond - to).normalize_or_zero()));
@@ -126,11 +136,94 @@ pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -
     starts.extend(quays.iter().flat_map(|quay| [quay[0], quay[quay.len() - 1]]));
     starts.sort_unstable();
     starts.dedup();
-    starts
+    let [left, right] = quays;
+    Quays { starts, lines: [(ranges[0].0, left), (ranges[1].0, right)], near, first }
+}
+
+/// The span nearest to the settlement's that a street from the centre reaches, and the first and last points of both bank
+/// lines between which quays may run on either side of it.
+fn first_bridge(sketch: &Sketch, way: &Waterway, near: usize) -> Option<(usize, [(usize, usize); 2])> {
+    let river = sketch.river.as_ref()?;
+    let range = |side: usize, first: usize, margin: f64| {
+        let bank = &way.banks[side];
+        let clear = |i: &usize| sketch.ring.clearance(bank[*i], bank[*i], margin, |_| false) >= margin;
+        let low = (1..=first).rev().take_while(clear).last()?;
+        let high = (first..bank.len() - 1).take_while(clear).last()?;
+        Some((low, high))
+    };
+    let mut spans: Vec<usize> = (0..way.spans.len()).collect();
+    spans.sort_by_key(|k| (k.abs_diff(way.first), *k));
+    for (share, ground) in [(1.0, true), (0.6, true), (0.4, true), (0.4, false)] {
+        for &k in &spans {
+            let head = way.banks[near][way.spans[k][near]];
+            if river.meets(DVec2::ZERO, head) || (ground && !sketch.ground_fits(&[DVec2::ZERO, head])) {
+                continue;
+            }
+            let margin = share * sketch.rules.margin;
+            if let (Some(left), Some(right)) = (range(0, way.spans[k][0], margin), range(1, way.spans[k][1], margin)) {
+                return Some((k, [left, right]));
+            }
+        }
+    }
+    None
+}
+
+/// Makes sure that the streets of the farther bank do not all end in nothing: by a crescent from one end of its quay to the
+/// other, or else by one more bridge.
+pub(super) fn keep_far_bank(sketch: &mut Sketch, quays: &Quays) {
+    let far = 1 - quays.near;
+    let line = &quays.lines[far].1;
+    let Some(way) = sketch.river.as_ref().map(|r| r.way) else { return };
+    let whole = sketch.graph.clone();
+    sketch.prune();
+    let stays = line.iter().any(|v| sketch.graph.degree(*v) > 0);
+    sketch.graph = whole;
+    if stays || line.len() < 3 {
+        return;
+    }
+    let g = &sketch.graph;
+    let sign = if far == 0 { 1.0 } else { -1.0 };
+    let inland = |i: usize| {
+        let along = g.at(line[(i + 1).min(line.len() - 1)]) - g.at(line[i.saturating_sub(1)]);
+        left_normal(along).normalize_or_zero() * sign
+    };
+    let limits = Limits { gap: 30.0, angle: 0.6, min_length: 60.0, split: 20.0, margin: 40.0, ..sketch.limits() };
+    for inset in 0..line.len() / 2 {
+        let (i, j) = (inset, line.len() - 1 - inset);
+        let (a, b) = (g.at(line[i]), g.at(line[j]));
+        if a.distance(b) < CRESCENT {
+            break;
+        }
+        let along = (b - a).normalize_or_zero();
+        for depth in [0.7, 0.5, 0.35] {
+            let top = a.lerp(b, 0.5) + left_normal(along) * (sign * (depth * a.distance(b)).clamp(70.0, 260.0));
+            let mut path = smooth(a, inland(i), top, along);
+            path.pop();
+            path.extend(smooth(top, along, b, -inland(j)));
+            let path = tidy(path);
+            let (start, end) = (End::Vertex(line[i]), End::Vertex(line[j]));
+            if path.len() > 2 && sketch.fits(&path, start, end, &limits) {
+                sketch.add(&path, start, end);
+                return;
+            }
+        }
+    }
+    let middle = |k: usize| way.banks[0][way.spans[k][0]];
+    let bridge = |k: usize| {
+        let [a, b] = way.spans[k];
+        let (a, b) = (quays.at(0, a)?, quays.at(1, b)?);
+        let apart = middle(k).distance(middle(quays.first));
+        (apart >= CRESCENT && g.edge_between(a, b).is_none()).then_some((apart, a, b))
+    };
+    // The nearest that leaves room for houses between the two.
+    let found = (0..way.spans.len()).filter_map(bridge).min_by(|x, y| x.0.total_cmp(&y.0));
+    if let Some((_, a, b)) = found {
+        sketch.graph.add_edge(a, b, StreetClass::Main);
+    }
 }
 
 /// The spans at which bridges stand, the first before all others.
-fn bridges(way: &Waterway, ranges: [(usize, usize); 2], apart: f64, stream: &mut Stream) -> Vec<usize> {
+fn bridges(way: &Waterway, first: usize, ranges: [(usize, usize); 2], apart: f64, stream: &mut Stream) -> Vec<usize> {
     let inside = |span: usize| {
         way.spans.get(span).is_some_and(|of| {
             (0..2).all(|side| {
@@ -147,9 +240,9 @@ fn bridges(way: &Waterway, ranges: [(usize, usize); 2], apart: f64, stream: &mut
         let [a, b] = way.spans[span];
         (way.banks[0][a] + way.banks[1][b]) / 2.0
     };
-    let mut out = vec![way.first];
+    let mut out = vec![first];
     for back in [false, true] {
-        let (mut run, mut at) = (0.0, way.first);
+        let (mut run, mut at) = (0.0, first);
         let mut wanted = apart * (1.0 + UNEVEN * stream.signed());
         loop {
             let next = if back { at.checked_sub(1) } else { Some(at + 1) };
