@@ -4,6 +4,8 @@ mod area;
 mod assets;
 mod audit;
 mod changed;
+#[cfg(test)]
+mod river_tests;
 mod route;
 mod settings;
 #[cfg(test)]

@@ -13,14 +13,24 @@ pub const ROAD_LIFT: f64 = 0.1;
 /// Distance between the points of a deck's line, in metres.
 const DECK_STEP: f64 = 8.0;
 
+/// How far the deck of a town's bridge rises above the straight line between its ends: as a share of its length, and at most
+/// in metres.
+const HUMP: (f64, f64) = (0.03, 2.0);
+
 /// Length of a street at each of its ends, in metres, that belongs to the junction there: it lies on the ground, and a
 /// bridge's deck begins behind it.
 pub fn junction_reach(street: &Street) -> f64 {
-    (street.length() * 0.4).min(if street.bridge { 4.0 } else { 18.0 })
+    let most = match street.bridge {
+        // As wide as the widest quay.
+        true if street.class.is_main() => 12.0,
+        true => 4.0,
+        false => 18.0,
+    };
+    (street.length() * 0.4).min(most)
 }
 
-/// The deck of a bridge: it runs straight from the height of one end to that of the other, higher only where the ground
-/// between is, or where it passes over another street.
+/// The deck of a bridge: it runs straight from the height of one end to that of the other, in towns with a slight hump, and
+/// higher only where the ground between is, or where it passes over another street.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deck {
     /// The bridge.
@@ -51,6 +61,15 @@ impl Deck {
             let across = left_normal(way) * half_width;
             let highest = [across, DVec2::ZERO, -across].map(|q| floor(p + q)).into_iter().fold(f64::MIN, f64::max);
             heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(highest + ROAD_LIFT));
+        }
+        if street.class.is_main() {
+            // Quays are low: a bridge between them rises to let boats pass.
+            let (lift, mut at) = (HUMP.1.min(HUMP.0 * length), 0.0);
+            for (i, height) in heights.iter_mut().enumerate() {
+                at += if i > 0 { line[i].distance(line[i - 1]) } else { 0.0 };
+                let t = (at / length).min(1.0);
+                *height = height.max(ends[0] + (ends[1] - ends[0]) * t + 4.0 * lift * t * (1.0 - t));
+            }
         }
         let over = crossings(&line, below);
         for (at, along) in &over {

@@ -207,7 +207,7 @@ impl Layers {
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
         self.streets.get(&(plan.settlement.id, cell), || {
-            if plan.cells[cell].used_as == CellUse::Open {
+            if plan.cells[cell].used_as != CellUse::Built {
                 return Ok(CellStreets::default());
             }
             let with = &town.cells[cell];
@@ -223,6 +223,9 @@ impl Layers {
         self.parcels.get(&(plan.settlement.id, cell), || {
             let local = self.streets(town, cell, cancel)?;
             let of = &plan.cells[cell];
+            if of.used_as == CellUse::Water {
+                return Ok(CellParcels::default());
+            }
             let near = Bounds::of(of.border.iter().copied()).grown(StreetClass::Highway.half_width());
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
             let across = self.streets_across(plan, near, cancel)?;

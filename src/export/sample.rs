@@ -100,7 +100,7 @@ pub fn town(centre: DVec2) -> Sample {
     };
     let ring =
         (0..24).map(|k| quantize(math::direction(f64::from(k) * std::f64::consts::TAU / 24.0) * 260.0)).collect();
-    let outline = Arc::new(Outline { origin, polygon: ring, shared: Vec::new() });
+    let outline = Arc::new(Outline { origin, polygon: ring, shared: Vec::new(), river: None });
     let area = Area {
         origin,
         bounds: Bounds::square(centre, 800.0),

@@ -171,13 +171,23 @@ fn bridge(surface: &mut Surface<'_>, out: &mut MeshBuffers, street: &Street) {
     let Some(Deck { line, heights, half_width: outer, over, .. }) = surface.deck(street.id) else { return };
     let (left, right) = (beside(line, *outer), beside(line, -outer));
     let (inner_left, inner_right) = (beside(line, outer - 0.3), beside(line, 0.3 - outer));
+    let kerb = street.class.carriageway() / 2.0;
+    let (kerb_left, kerb_right) = (beside(line, kerb), beside(line, -kerb));
     let carriageway = carriageway_colour(street.class);
     for i in 0..line.len() - 1 {
         let at = |side: &[DVec2], k: usize, up: f64| side[i + k].extend(heights[i + k] + up);
         let quad = |out: &mut MeshBuffers, a: (&[DVec2], f64), b: (&[DVec2], f64), colour| {
             out.face(&[at(a.0, 0, a.1), at(a.0, 1, a.1), at(b.0, 1, b.1), at(b.0, 0, b.1)], colour);
         };
-        quad(out, (&inner_right, 0.0), (&inner_left, 0.0), carriageway);
+        if street.class.pavement() > 0.0 {
+            quad(out, (&kerb_right, 0.0), (&kerb_left, 0.0), carriageway);
+            quad(out, (&inner_right, KERB), (&kerb_right, KERB), PAVEMENT);
+            quad(out, (&kerb_right, KERB), (&kerb_right, 0.0), KERBSTONE);
+            quad(out, (&kerb_left, 0.0), (&kerb_left, KERB), KERBSTONE);
+            quad(out, (&kerb_left, KERB), (&inner_left, KERB), PAVEMENT);
+        } else {
+            quad(out, (&inner_right, 0.0), (&inner_left, 0.0), carriageway);
+        }
         quad(out, (&left, -DECK), (&right, -DECK), CONCRETE);
         for (outer, inner, flip) in [(&right, &inner_right, false), (&left, &inner_left, true)] {
             let mut quad = |a: (&[DVec2], f64), b: (&[DVec2], f64)| {

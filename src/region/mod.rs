@@ -9,8 +9,10 @@ mod border;
 pub mod edits;
 pub mod outline;
 mod profile;
+mod river;
 pub mod road;
 pub mod settlement;
+mod waterway;
 
 pub use border::Border;
 pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
@@ -21,3 +23,4 @@ pub use settlement::{
     PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements,
     SizeClass,
 };
+pub use waterway::Waterway;

@@ -2,6 +2,7 @@
 
 use super::profile::Profile;
 use super::settlement::site::SHORE;
+use super::waterway::Waterway;
 use crate::network::StreetClass;
 use crate::region::{Border, Gate, Settlement};
 use crate::space::{Bounds, Origin, distance_to_segment, left_normal, math, point_in_polygon, quantize, signed_area};
@@ -27,10 +28,12 @@ pub struct Outline {
     /// Origin the polygon is local to: the settlement's centre.
     pub origin: Origin,
     /// Counter-clockwise, on the quantum grid, neighbours 40 to 90 m apart, star-shaped about (0, 0). Between two borders
-    /// that end near each other, and where water draws it in, vertices may be nearer or farther.
+    /// that end near each other, where water draws it in, and where a river leaves it, vertices may be nearer or farther.
     pub polygon: Vec<DVec2>,
     /// Borders with settlements that it touches, in order along the polygon.
     pub shared: Vec<SharedBorder>,
+    /// A river that runs through it.
+    pub river: Option<Waterway>,
 }
 
 /// A border as part of an outline.
@@ -96,6 +99,11 @@ impl Outline {
         out
     }
 
+    /// Whether a gate of a road may stand at a vertex: not beside a river that runs through.
+    pub(super) fn has_room_for_gate(&self, vertex: usize) -> bool {
+        self.river.as_ref().is_none_or(|river| river.leaves_room(self.polygon[vertex]))
+    }
+
     /// The outline of `settlement` among its `neighbours`, which must hold every settlement whose circle comes within
     /// twice [`BORDER`] of its own, each with the border that the two share.
     pub(super) fn new(
@@ -104,8 +112,32 @@ impl Outline {
         profile: &Profile,
         neighbours: &[(Arc<Settlement>, Option<Arc<Border>>)],
     ) -> Self {
-        let (centre, radius, ways) = (settlement.centre, settlement.radius, &profile.ways);
-        let mut reach = profile.reach.clone();
+        if let Some((river, reach)) = &profile.over {
+            let mut whole = Self::around(terrain, settlement, &profile.ways, reach.clone(), neighbours);
+            let mut held = vec![false; whole.polygon.len()];
+            for shared in &whole.shared {
+                held[shared.first..shared.first + shared.border.line.len()].fill(true);
+            }
+            if let Some(cut) = Waterway::cut(&whole.polygon, &held, river) {
+                for shared in &mut whole.shared {
+                    shared.first = cut.moved[shared.first].unwrap_or(shared.first);
+                }
+                (whole.polygon, whole.river) = (cut.polygon, Some(cut.waterway));
+                return whole;
+            }
+        }
+        Self::around(terrain, settlement, &profile.ways, profile.reach.clone(), neighbours)
+    }
+
+    /// The outline whose rays have a reach, as far as its neighbours leave room for it.
+    fn around(
+        terrain: &dyn Terrain,
+        settlement: &Settlement,
+        ways: &[DVec2],
+        mut reach: Vec<f64>,
+        neighbours: &[(Arc<Settlement>, Option<Arc<Border>>)],
+    ) -> Self {
+        let (centre, radius) = (settlement.centre, settlement.radius);
         let mut held: Vec<bool> = vec![false; reach.len()];
         let mut chains: Vec<Chain> = Vec::new();
         for (other, border) in neighbours.iter().filter(|(n, _)| n.id != settlement.id) {
@@ -137,7 +169,7 @@ impl Outline {
         let curve: Vec<DVec2> = ways.iter().zip(&reach).map(|(way, r)| *way * *r).collect();
         if chains.is_empty() {
             let polygon = vertices(terrain, centre, &curve, true);
-            return Self { origin: centre, polygon, shared: Vec::new() };
+            return Self { origin: centre, polygon, shared: Vec::new(), river: None };
         }
         chains.sort_by(|a, b| math::angle_of(a.points[0]).total_cmp(&math::angle_of(b.points[0])));
         let (mut polygon, mut shared) = (Vec::new(), Vec::new());
@@ -149,7 +181,7 @@ impl Outline {
             let arc = free_arc(&curve, &held, last, next);
             polygon.extend(vertices(terrain, centre, &arc, false));
         }
-        Self { origin: centre, polygon, shared }
+        Self { origin: centre, polygon, shared, river: None }
     }
 }
 

@@ -1,6 +1,7 @@
 //! How far the ground and noise let a settlement spread each way, before its neighbours are looked at.
 
 use super::outline::smooth;
+use super::river::{self, River};
 use super::settlement::site::{Course, ray};
 use crate::layer::Weigh;
 use crate::region::{Settlement, SettlementSettings};
@@ -23,11 +24,17 @@ pub(super) struct Profile {
     pub reach: Vec<f64>,
     /// The same without spikes and notches: what an outline can really follow.
     even: Vec<f64>,
+    /// A river that the settlement spreads over, and the reach of the rays with the other bank.
+    pub over: Option<(River, Vec<f64>)>,
 }
 
 impl Weigh for Profile {
     fn bytes(&self) -> usize {
-        size_of::<Self>() + self.ways.len() * (size_of::<DVec2>() + 2 * size_of::<f64>())
+        let over = self
+            .over
+            .as_ref()
+            .map_or(0, |(river, reach)| 3 * river.middle.len() * size_of::<DVec2>() + reach.len() * size_of::<f64>());
+        size_of::<Self>() + self.ways.len() * (size_of::<DVec2>() + 2 * size_of::<f64>()) + over
     }
 }
 
@@ -74,10 +81,16 @@ impl Profile {
         }
         let mut even = reach.clone();
         smooth(&mut even);
-        Self { ways, reach, even }
+        let spreads = of.radius >= river::LEAST_RADIUS && settings.widest_river > 0.0;
+        let over = spreads
+            .then(|| {
+                river::spread(&mut ground, centre, (&ways, &reach, &limits), settings.max_slope, settings.widest_river)
+            })
+            .flatten();
+        Self { ways, reach, even, over }
     }
 
-    /// Whether a point, local to the settlement, is within reach.
+    /// Whether a point, local to the settlement, is within reach without crossing a river.
     pub fn reaches(&self, local: DVec2) -> bool {
         let n = self.even.len();
         let at = math::angle_of(local).rem_euclid(TAU) / TAU * n as f64;

@@ -75,6 +75,11 @@ impl DirectionField {
         field
     }
 
+    /// The same with its heading turned to an angle (radians), where nothing else decides on that.
+    pub(super) fn facing(self, angle: f64) -> Self {
+        if self.hub.is_some() || self.lattice.is_some() { self } else { Self { base: angle, ..self } }
+    }
+
     /// Angle in radians, in -pi/4..=pi/4 modulo a quarter turn, of the cross of preferred directions at `p` (local to
     /// the town).
     pub fn angle(&self, p: DVec2) -> f64 {

@@ -41,6 +41,7 @@ impl Between<'_> {
             snap_radius: self.number(a.snap_radius, b.snap_radius),
             roundabouts: self.number(a.roundabouts, b.roundabouts),
             squares: self.number(a.squares, b.squares),
+            bridges: self.number(a.bridges, b.bridges),
         }
     }
 

@@ -47,7 +47,7 @@ impl MainStreet {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellSide {
     /// Main street that the side runs along, as index into [`Town::mains`]; `None` where the cell ends without a street
-    /// (the town's outline, and cuts across the fringe).
+    /// (the town's outline, the banks of a river, and cuts across the fringe).
     pub main: Option<usize>,
     /// Whether the cell's border runs along the street's line (true) or against it.
     pub forward: bool,
@@ -64,6 +64,8 @@ pub enum CellUse {
     Built,
     /// An open place between main streets, such as the island of a roundabout: no street attaches to its sides.
     Open,
+    /// A river between its banks; main streets lead over it on bridges.
+    Water,
 }
 
 /// Face of the planar graph of main streets and town outline: the unit of filling.

@@ -15,6 +15,7 @@ mod sketch;
 mod small;
 #[cfg(test)]
 mod tests;
+mod water;
 
 use crate::layer::{Cancel, LayerError};
 use crate::region::{Gate, Outline, Settlement};
@@ -26,6 +27,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use sketch::{Rules, Sketch};
+use water::River;
 
 /// Streets that keep farther from the centre than this share of the radius leave the place empty.
 const HOLLOW: f64 = 0.35;
@@ -59,12 +61,24 @@ pub fn plan(
     let radius = (signed_area(polygon) / PI).sqrt();
     let rules = Rules::new(&style.main, radius);
     let mut sketch = Sketch::new(polygon, &gates, rules, origin, terrain);
+    sketch.river = outline.river.as_ref().map(River::new);
+    // Streets are laid out along the river, where it lies nearest.
+    let field = match &outline.river {
+        Some(way) => field.facing(way.heading()),
+        None => field,
+    };
 
     // Each way of making streets that leaves none (all of them dead ends) gives way to the next; a ring always stands.
     if radius >= rules.min_length + 1.3 * rules.margin {
-        grow::grow(&mut sketch, &field, &mut seed.stream("town/growth", &key), cancel)?;
+        let quays = if sketch.river.is_some() {
+            water::lay(&mut sketch, &style.main, &mut seed.stream("town/river", &key))
+        } else {
+            water::Quays::default()
+        };
+        grow::grow(&mut sketch, &field, &mut seed.stream("town/growth", &key), &quays.starts, cancel)?;
         link::tie_gates(&mut sketch, cancel)?;
         link::link_tips(&mut sketch, cancel)?;
+        water::keep_far_bank(&mut sketch, &quays);
         sketch.prune();
         repair::divide_wide(&mut sketch, &field, cancel)?;
         repair::drop_pockets(&mut sketch, cancel)?;
@@ -76,7 +90,7 @@ pub fn plan(
     }
     if sketch.graph.edges().next().is_none() {
         sketch.clear();
-        if small::through(&mut sketch) {
+        if sketch.river.is_none() && small::through(&mut sketch) {
             link::tie_gates(&mut sketch, cancel)?;
         }
     }

@@ -78,7 +78,14 @@ pub(crate) fn case_of(number: u64, field: FieldKind, radius: f64, gates: usize) 
         (style.main.roundabouts, style.main.squares) = (0.5, 0.5);
     }
     style.check().unwrap();
-    Case { seed, settlement, outline: Arc::new(Outline { origin, polygon, shared: Vec::new() }), gates, style, terrain }
+    Case {
+        seed,
+        settlement,
+        outline: Arc::new(Outline { origin, polygon, shared: Vec::new(), river: None }),
+        gates,
+        style,
+        terrain,
+    }
 }
 
 fn polygon(s: &mut Stream, radius: f64, shore: f64) -> Vec<DVec2> {

@@ -56,6 +56,8 @@ pub struct MainRules {
     pub roundabouts: f64,
     /// Share (0 to 1) of them that become squares: main streets around an open place. With `roundabouts` at most 1.
     pub squares: f64,
+    /// Distance between the bridges over a river that runs through.
+    pub bridges: f64,
 }
 
 impl Default for MainRules {
@@ -71,6 +73,7 @@ impl Default for MainRules {
             snap_radius: 90.0,
             roundabouts: 0.0,
             squares: 0.0,
+            bridges: 420.0,
         }
     }
 }
@@ -279,7 +282,8 @@ impl Style {
             range("angle_deviation_deg", m.angle_deviation_deg, 0.0, 45.0)?;
             range("snap_radius", m.snap_radius, 10.0, m.length)?;
             range("roundabouts", m.roundabouts, 0.0, 1.0)?;
-            range("squares", m.squares, 0.0, 1.0 - m.roundabouts)
+            range("squares", m.squares, 0.0, 1.0 - m.roundabouts)?;
+            range("bridges", m.bridges, 150.0, 10_000.0)
         };
         main().map_err(|e: RangeError| e.within("main"))?;
         let s = &self.seam;

@@ -84,7 +84,7 @@ pub(super) fn candidates(work: &Work, s: &Settlement) -> Result<Candidates, Laye
         // Best in the middle of a sector, so that the gates of neighbouring sectors keep apart.
         let off_middle = (along / around * sectors as f64 - sector as f64 - 0.5).abs();
         along += gate.distance(polygon[(vertex + 1) % count]);
-        if off_middle > 0.3 {
+        if off_middle > 0.3 || !outline.has_room_for_gate(vertex) {
             continue;
         }
         for (score, node) in nodes_outside(&outline, vertex, step) {

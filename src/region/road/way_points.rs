@@ -128,7 +128,7 @@ impl Places for Among {
 
     fn outline(&self, s: &Settlement) -> Result<Arc<Outline>, LayerError> {
         if self.is_point(s) {
-            return Ok(Arc::new(Outline { origin: s.centre, polygon: Vec::new(), shared: Vec::new() }));
+            return Ok(Arc::new(Outline { origin: s.centre, polygon: Vec::new(), shared: Vec::new(), river: None }));
         }
         self.places.outline(s)
     }

@@ -68,6 +68,9 @@ pub struct SettlementSettings {
     pub clearance: f64,
     /// What is added to that: 0 to 10,000.
     pub gap: f64,
+    /// Greatest width of a river that towns and cities spread over, with bridges: 0 (they end at every water) to 200.
+    /// Lakes and the sea always end them.
+    pub widest_river: f64,
 }
 
 impl Default for SettlementSettings {
@@ -89,6 +92,7 @@ impl Default for SettlementSettings {
             fullness: 0.83,
             clearance: 1.25,
             gap: 200.0,
+            widest_river: 120.0,
         }
     }
 }
@@ -123,7 +127,8 @@ impl SettlementSettings {
         range("max_height", self.max_height, 0.0, 10_000.0)?;
         range("fullness", self.fullness, 0.7, 0.98)?;
         range("clearance", self.clearance, 0.5, 4.0)?;
-        range("gap", self.gap, 0.0, 10_000.0)
+        range("gap", self.gap, 0.0, 10_000.0)?;
+        range("widest_river", self.widest_river, 0.0, 200.0)
     }
 
     /// Names of the styles that settlements may get.

@@ -105,7 +105,12 @@ fn check_outline(s: &Settlements, settlement: &Settlement) {
         // Star-shaped, and so simple: every edge turns left about the centre, once around in all.
         assert!(orient(DVec2::ZERO, a, b) > 0.0, "{tag}: vertex {i}");
         let d = a.distance(b);
-        assert!((40.0..=90.0).contains(&d), "{tag}: edge {i} of {n}: {d} m");
+        let ends: Vec<usize> = outline.river.iter().flat_map(|river| river.ends.concat()).collect();
+        match [i, (i + 1) % n].map(|v| ends.contains(&v)) {
+            [false, false] => assert!((40.0..=90.0).contains(&d), "{tag}: edge {i} of {n}: {d} m"),
+            [true, true] => assert!((40.0..=300.0).contains(&d), "{tag}: {d} m across a river"),
+            _ => assert!((15.0..=108.0).contains(&d), "{tag}: {d} m beside a river"),
+        }
         assert!(a.length() <= settlement.radius && a.length() > 60.0, "{tag}: {}", a.length());
         assert_eq!(crate::space::quantize(a), a);
         assert_eq!(s.terrain.0.sample(outline.origin.to_plan(a)).depth(), 0.0, "{tag}: vertex {i} in water");

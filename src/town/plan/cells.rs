@@ -63,7 +63,14 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
         let name = StreetId::of(&[settlement.0, 0x6d, from.0.min(to.0), from.0.max(to.0), x, y]);
         let street = match shared {
             Some(shared) => shared.street.clone(),
-            None => Street::new(name, streets.edge(chain[0].0).data, from, to, line),
+            None => {
+                let bridge = sketch.river.as_ref().is_some_and(|r| line.len() == 2 && r.way.crosses(line[0], line[1]));
+                Street {
+                    bridge,
+                    level: i8::from(bridge),
+                    ..Street::new(name, streets.edge(chain[0].0).data, from, to, line)
+                }
+            }
         };
         let border = shared.map(|s| s.border.clone());
         mains.push(MainStreet { street, left: MainStreet::OUTSIDE, right: MainStreet::OUTSIDE, border });
@@ -82,6 +89,8 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
         let mut cell = cell(settlement, &face, side_of, |i| is_junction(face.vertices[i]));
         if sketch.places.iter().any(|p| point_in_polygon(*p, &cell.border)) {
             cell.used_as = CellUse::Open;
+        } else if sketch.river.as_ref().is_some_and(|river| river.holds(graph, &face)) {
+            cell.used_as = CellUse::Water;
         }
         cells.push(cell);
     }

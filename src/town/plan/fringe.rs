@@ -3,7 +3,9 @@
 use super::border::Laid;
 use super::pole::pole;
 use super::sketch::Sketch;
+use super::water::along_bank;
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
+use crate::region::Waterway;
 use crate::space::{Bounds, closest_on_segment};
 use glam::DVec2;
 
@@ -70,12 +72,34 @@ pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
             graph.add_edge(a, b, None);
         }
     }
+    if let Some(river) = &sketch.river {
+        bank_lines(&mut graph, sketch, river.way, &ring);
+    }
     let fringe = Fringe { sketch, laid, streets, ring };
     fringe.join(&mut graph);
     let first_cut = graph.edges().map(|(e, _)| e + 1).max().unwrap_or(0);
     fringe.divide(&mut graph);
     fringe.rejoin(&mut graph, first_cut);
     Borders { graph, edges }
+}
+
+/// Bank lines end the cells beside a river where no quay does.
+fn bank_lines(graph: &mut BorderGraph, sketch: &Sketch, way: &Waterway, ring: &[VertexIx]) {
+    for side in 0..2 {
+        let streets = sketch.graph.vertices().filter(|v| sketch.graph.degree(*v) > 0);
+        let on_line = streets.map(|v| (sketch.graph.at(v), v)).filter(|(p, _)| way.bank_at(*p) == Some(side));
+        let ends = way.ends[side].map(|i| (sketch.outline[i], ring[i]));
+        let mut before = None;
+        for (p, there) in along_bank(&way.banks[side], on_line.chain(ends)) {
+            let v = there.unwrap_or_else(|| graph.add_vertex(p));
+            if let Some(u) = before
+                && graph.edge_between(u, v).is_none()
+            {
+                graph.add_edge(u, v, None);
+            }
+            before = Some(v);
+        }
+    }
 }
 
 struct Fringe<'a> {
@@ -88,9 +112,10 @@ struct Fringe<'a> {
 }
 
 impl Fringe<'_> {
-    /// Without a gate nothing joins the network to the outline: the nicest cut does.
+    /// Without a gate or a river nothing joins the network to the outline: the nicest cut does.
     fn join(&self, graph: &mut BorderGraph) {
-        if self.sketch.gate_vertices.iter().any(Option::is_some) {
+        let joined = graph.components().into_iter().flatten().all(|c| c == 0);
+        if joined || self.sketch.gate_vertices.iter().any(Option::is_some) {
             return;
         }
         let mut cuts = Vec::new();
@@ -117,7 +142,8 @@ impl Fringe<'_> {
             let mut changed = false;
             for face in graph.faces() {
                 let area = face.area();
-                if area <= 0.0 {
+                let river = self.sketch.river.as_ref();
+                if area <= 0.0 || river.is_some_and(|river| river.holds(graph, &face)) {
                     continue;
                 }
                 let twice = walked_twice(&face);

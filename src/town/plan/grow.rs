@@ -13,19 +13,25 @@ use std::f64::consts::TAU;
 /// Distance between the points of inflexion of a street that follows a curved field, in metres.
 pub(super) const STEP: f64 = 52.0;
 
-/// Grows the network from the centre outwards. Every street starts at what is there already, so the result is one component.
+/// Grows the network from the centre outwards, and from the vertices `starts` of what was laid before. Every street starts at
+/// what is there already, so the result is one component.
 pub(super) fn grow(
     sketch: &mut Sketch,
     field: &DirectionField,
     stream: &mut Stream,
+    starts: &[VertexIx],
     cancel: &Cancel,
 ) -> Result<(), LayerError> {
-    let centre = sketch.graph.add_vertex(DVec2::ZERO);
-    let mut queue: Vec<(f64, VertexIx)> = vec![(0.0, centre)];
+    if sketch.graph.vertex_count() == 0 {
+        sketch.graph.add_vertex(DVec2::ZERO);
+    }
+    let mut queue: Vec<(f64, VertexIx)> = vec![(0.0, 0)];
+    queue.extend(starts.iter().map(|v| (sketch.graph.at(*v).length(), *v)));
     while let Some(i) = (0..queue.len()).min_by(|a, b| queue[*a].0.total_cmp(&queue[*b].0).then(a.cmp(b))) {
         cancel.check()?;
         let (_, v) = queue.swap_remove(i);
-        for heading in headings(sketch, field, stream, v) {
+        let least = if starts.contains(&v) { sketch.graph.degree(v) + 1 } else { 0 };
+        for heading in headings(sketch, field, stream, v, least) {
             let before = sketch.graph.vertex_count() as VertexIx;
             let Some(end) = propose(sketch, field, stream, v, heading) else { continue };
             // New are the points of inflexion, too: only the end grows on.
@@ -38,12 +44,13 @@ pub(super) fn grow(
     Ok(())
 }
 
-/// Headings of the streets to propose at a vertex: enough for a degree drawn from the style's range.
-fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: VertexIx) -> Vec<DVec2> {
+/// Headings of the streets to propose at a vertex: enough for a degree drawn from the style's range, and `least` if it goes
+/// that far.
+fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: VertexIx, least: usize) -> Vec<DVec2> {
     let (rules, g, at) = (&sketch.rules, &sketch.graph, sketch.graph.at(v));
     let (low, high) = rules.degree;
     // The centre is where streets meet.
-    let target = if v == 0 { high } else { low + stream.index(high - low + 1) };
+    let target = if v == 0 { high } else { (low + stream.index(high - low + 1)).max(least.min(high)) };
     let wanted = target.saturating_sub(g.degree(v));
     let there: Vec<DVec2> = g.neighbours(v).map(|w| (g.at(w) - at).normalize_or_zero()).collect();
     let cross = direction(field.angle(at));
@@ -360,7 +367,7 @@ mod tests {
             sketch.rules.degree = (2 + stream.index(2), 4 + stream.index(2));
             sketch.rules.angle_deviation = stream.range(0.0, 0.3);
             let field = DirectionField::uniform(0.0);
-            let found = headings(&sketch, &field, &mut stream, 1);
+            let found = headings(&sketch, &field, &mut stream, 1, 0);
             let (low, high) = sketch.rules.degree;
             assert!(
                 (low..=high).contains(&(found.len() + 1)) || found.len() == 3,

@@ -2,6 +2,7 @@
 
 use super::grow::STEP;
 use super::sketch::{End, Limits, Sketch, tidy};
+use super::water::fords;
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::{angle_between, rotate};
@@ -107,7 +108,13 @@ fn tie_by_ray(sketch: &mut Sketch, gate: usize) {
     let last = ends.len().saturating_sub(1);
     let fits = |i: usize| i == last || sketch.crosses_nothing(&[at, place(ends[i])], End::Gate(gate), ends[i]);
     if let Some(end) = (0..ends.len()).find(|i| fits(*i)).map(|i| ends[i]) {
-        sketch.add(&[at, place(end)], End::Gate(gate), end);
+        let mut path = vec![at];
+        if let Some(river) = &sketch.river {
+            path.extend(fords(river.way, at, place(end)));
+        }
+        path.push(place(end));
+        path.dedup();
+        sketch.add(&path, End::Gate(gate), end);
     }
 }
 

@@ -96,11 +96,13 @@ fn make(sketch: &mut Sketch, v: VertexIx, round: bool, radius: f64) -> bool {
     let around = if round { ring(at, radius, &arms, &gaps) } else { square(at, radius, &arms, &gaps) };
     let n = around.len();
     let own = |e: EdgeIx| arms.iter().any(|a| a.edge == e);
+    let dry = |a, b| sketch.river.as_ref().is_none_or(|river| !river.meets(a, b));
     let clear = (0..n).all(|i| {
         let (a, b) = (around[i].0, around[(i + 1) % n].0);
         // Two junctions have room for what they are built as.
         let least = if around[i].1.is_some() && around[(i + 1) % n].1.is_some() { 13.0 } else { 6.0 };
         a.distance(b) >= least
+            && dry(a, b)
             && g.clearance(a, b, ROOM.0, own) >= ROOM.0
             && sketch.ring.clearance(a, b, ROOM.1, |_| false) >= ROOM.1
     });

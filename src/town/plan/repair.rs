@@ -161,6 +161,9 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
     for v in sketch.graph.vertices() {
         let g = &sketch.graph;
         let [e, f] = *g.edges_at(v) else { continue };
+        if sketch.on_bank(v) {
+            continue;
+        }
         let (a, b, at) = (g.edge(e).other(v), g.edge(f).other(v), g.at(v));
         let (to_a, to_b) = (g.at(a) - at, g.at(b) - at);
         let turn = PI - angle_between(to_a, to_b);
@@ -198,6 +201,9 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
         cancel.check()?;
         let faces = sketch.graph.faces();
         let sliver = |f: &Face| {
+            if sketch.river.as_ref().is_some_and(|river| river.holds(&sketch.graph, f)) {
+                return false;
+            }
             let area = f.area();
             let around: f64 = f.walk.iter().map(|h| sketch.graph.segment(h.edge)).map(|(a, b)| a.distance(b)).sum();
             // No region has an inradius below its area over its perimeter.
@@ -220,7 +226,7 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
     Ok(())
 }
 
-/// The longest street of a face that is no arterial and leads to no gate.
+/// The longest street of a face that is no arterial, no quay and no bridge, and leads to no gate.
 fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     let g = &sketch.graph;
     let ends = |v| g.degree(v) != 2;
@@ -229,7 +235,12 @@ fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     for chain in g.chains(ends) {
         let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
         let to_gate = || g.chain_vertices(&chain).into_iter().any(|v| sketch.is_gate(v));
-        if !around.contains(&edges[0]) || edges.iter().any(|e| g.edge(*e).data == StreetClass::Arterial) || to_gate() {
+        let waterside = |e: &EdgeIx| sketch.river.as_ref().is_some_and(|river| river.owns(g, *e));
+        if !around.contains(&edges[0])
+            || edges.iter().any(waterside)
+            || edges.iter().any(|e| g.edge(*e).data == StreetClass::Arterial)
+            || to_gate()
+        {
             continue;
         }
         let length: f64 = edges.iter().map(|e| g.segment(*e)).map(|(a, b)| a.distance(b)).sum();

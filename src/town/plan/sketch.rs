@@ -1,5 +1,6 @@
 //! The network of main streets while it grows, and the test that every proposed street must pass.
 
+use super::water::River;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::region::Gate;
 use crate::space::math::{angle_between, sin};
@@ -97,6 +98,8 @@ pub(super) struct Sketch<'a> {
     pub rules: Rules,
     /// Middles of roundabouts and squares.
     pub places: Vec<DVec2>,
+    /// The river that runs through, if one does.
+    pub river: Option<River<'a>>,
     origin: Origin,
     terrain: &'a dyn Terrain,
 }
@@ -125,6 +128,7 @@ impl<'a> Sketch<'a> {
             gate_vertices: vec![None; gates.len()],
             rules,
             places: Vec::new(),
+            river: None,
             origin,
             terrain,
         }
@@ -148,6 +152,11 @@ impl<'a> Sketch<'a> {
             turn: 0.5,
             ground: true,
         }
+    }
+
+    /// Whether a vertex lies on the bank line of a river.
+    pub fn on_bank(&self, v: VertexIx) -> bool {
+        self.river.as_ref().is_some_and(|river| river.way.bank_at(self.graph.at(v)).is_some())
     }
 
     pub fn is_gate(&self, v: VertexIx) -> bool {
@@ -273,7 +282,9 @@ impl<'a> Sketch<'a> {
                     }
                     _ => false,
                 };
-                self.graph.first_hit(a, b, skip).is_none() && self.ring.first_hit(a, b, at_gate).is_none()
+                self.graph.first_hit(a, b, skip).is_none()
+                    && self.ring.first_hit(a, b, at_gate).is_none()
+                    && self.river.as_ref().is_none_or(|river| !river.meets(a, b))
             })
     }
 

@@ -3,6 +3,7 @@
 use super::grow::STEP;
 use super::link::smooth;
 use super::sketch::{End, Limits, Sketch, tidy};
+use super::water::fords;
 use crate::network::StreetClass;
 use crate::space::math::{angle_between, angle_of, direction};
 use crate::space::{line_length, quantize};
@@ -45,9 +46,18 @@ pub(super) fn ring(sketch: &mut Sketch) {
     let outline = sketch.outline;
     // A blend of the outline's shape and a circle: both are star-shaped about the centre, so the ring is simple.
     let nearest = outline.iter().map(|p| p.length()).fold(f64::INFINITY, f64::min);
+    // Only the ground on this side of a river counts.
+    let reaches: Vec<f64> = outline
+        .iter()
+        .map(|p| {
+            let ford = sketch.river.as_ref().and_then(|river| fords(river.way, DVec2::ZERO, *p).first().copied());
+            ford.unwrap_or(*p).length()
+        })
+        .collect();
+    let nearest = reaches.iter().copied().fold(nearest, f64::min);
     let reach = |i: usize| {
-        let sum: f64 = (0..5).map(|k| outline[(i + n + k - 2) % n].length()).sum();
-        (0.5 * sum / 5.0).min(0.62 * outline[i].length()).min(1.6 * nearest)
+        let sum: f64 = (0..5).map(|k| reaches[(i + n + k - 2) % n]).sum();
+        (0.5 * sum / 5.0).min(0.62 * reaches[i]).min(1.6 * nearest)
     };
     let shape: Vec<DVec2> = (0..n).map(|i| outline[i].normalize_or_zero() * reach(i)).collect();
     let around = line_length(&shape);

@@ -28,7 +28,7 @@ pub(super) fn disc(s: &Settlement, radius: f64, step: i64) -> Outline {
     let spacing = VERTICES.1.max(VERTICES.0 * step as f64);
     let count = if radius > 0.0 { ((TAU * radius / spacing) as usize).max(24) } else { 0 };
     let vertex = |i: usize| quantize(math::direction(i as f64 / count as f64 * TAU) * radius);
-    Outline { origin: s.centre, polygon: (0..count).map(vertex).collect(), shared: Vec::new() }
+    Outline { origin: s.centre, polygon: (0..count).map(vertex).collect(), shared: Vec::new(), river: None }
 }
 
 impl Listed {

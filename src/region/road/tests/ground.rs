@@ -120,7 +120,7 @@ impl Places for Towns {
                 quantize(math::direction(a) * r * s.radius)
             })
             .collect();
-        Ok(Arc::new(Outline { origin: s.centre, polygon, shared: Vec::new() }))
+        Ok(Arc::new(Outline { origin: s.centre, polygon, shared: Vec::new(), river: None }))
     }
 }
 
