@@ -1,6 +1,6 @@
 //! Direction fields: at every point the cross of directions that streets prefer.
 
-use crate::space::math::{angle_of, cos, direction, sin};
+use crate::space::math::{angle_of, cos, direction, sin, smoothstep};
 use crate::space::{Bounds, Origin, Stream};
 use crate::terrain::Terrain;
 use crate::town::FieldKind;
@@ -12,11 +12,19 @@ const LATTICE_STEP: f64 = 80.0;
 /// Slope (rise over run) at which contours count as much as the grid that stands in for them on flat ground.
 const FLAT: f64 = 0.035;
 
+/// Distances from the hub of a [`FieldKind::Radial`] field, in metres: rings are round up to the first, and square with round
+/// corners from the second.
+const ROUND_RINGS: (f64, f64) = (60.0, 280.0);
+/// How square the outer rings are: at 0 they stay round, at 1 their sides are straight for a moment where they cross the
+/// axes of the town, and beyond for longer.
+const SQUARENESS: f64 = 1.5;
+
 /// Directions that streets prefer, as a cross at every point: one heading and its three quarter turns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionField {
     base: f64,
-    /// Centre of a radial field.
+    /// Centre of a radial field: avenues lead there, and rings around it. The avenues of the two axes are straight; farther out
+    /// the streets between them turn to the nearer axis, as within the ring roads of Beijing.
     hub: Option<DVec2>,
     waves: Vec<Wave>,
     lattice: Option<Lattice>,
@@ -64,7 +72,7 @@ impl DirectionField {
             }
             FieldKind::Radial => {
                 field.hub = Some(DVec2::ZERO);
-                field.waves = waves(stream, 3, (700.0, 1500.0), 0.1);
+                field.waves = waves(stream, 3, (700.0, 1500.0), 0.04);
             }
             FieldKind::Organic => field.waves = waves(stream, 5, (550.0, 1500.0), 0.3),
             FieldKind::Contours => {
@@ -102,9 +110,16 @@ impl DirectionField {
         self.hub
     }
 
+    /// The angle at a place given from the hub.
+    fn around(&self, from_hub: DVec2) -> f64 {
+        let angle = angle_of(from_hub);
+        let square = SQUARENESS * smoothstep(ROUND_RINGS.0, ROUND_RINGS.1, from_hub.length());
+        angle - square / 4.0 * sin(4.0 * (angle - self.base))
+    }
+
     /// The angle without slopes.
     fn plain(&self, p: DVec2) -> f64 {
-        let base = self.hub.map_or(self.base, |hub| if p == hub { self.base } else { angle_of(p - hub) });
+        let base = self.hub.map_or(self.base, |hub| if p == hub { self.base } else { self.around(p - hub) });
         base + self.waves.iter().map(|w| w.amplitude * sin(w.vector.dot(p) + w.phase)).sum::<f64>()
     }
 }

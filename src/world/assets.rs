@@ -89,10 +89,11 @@ const STYLES: [(&str, &str); 8] = bundled![
     "styles/suburb.ron",
     "styles/village.ron",
 ];
-const PATCH_SETS: [(&str, &str); 6] = bundled![
+const PATCH_SETS: [(&str, &str); 7] = bundled![
     "patches/common.ron",
     "patches/european.ron",
     "patches/grid.ron",
+    "patches/industrial.ron",
     "patches/organic.ron",
     "patches/suburb.ron",
     "patches/village.ron",
