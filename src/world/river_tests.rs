@@ -139,6 +139,9 @@ fn nothing_is_built_in_rivers() {
                     assert!(!point_in_polygon(outline.origin.to_local(plan), &bed), "a building in a bed at {plan}");
                 }
             }
+            for bridge in area.streets.iter().filter(|s| s.it.street.bridge && s.it.street.class.is_main()) {
+                check_deck(&world, &world.chunk(bridge.chunk, &Cancel::new()).unwrap(), &bridge.it.street);
+            }
             let dry = |s: &Street| segments(&s.line).all(|(a, b)| !wet(&world, area.origin.to_plan(a.lerp(b, 0.5))));
             let local = area.streets.iter().map(|s| &s.it.street).filter(|s| !s.class.is_road() && !s.bridge);
             for street in local {
@@ -151,7 +154,7 @@ fn nothing_is_built_in_rivers() {
 #[test]
 fn towns_lie_on_both_banks_of_every_river_that_can_be_bridged() {
     let (mut towns, mut with, mut bridges) = (0, 0, 0);
-    for seed in 400..404 {
+    for seed in 400..408 {
         let ground = Arc::new(Valleys::draw(seed));
         let world = World::on_terrain(Seed(seed), Settings::default(), WorldAssets::bundled(), ground).unwrap();
         let (count, found) = river_towns(&world, 16_000.0);
@@ -195,4 +198,20 @@ fn check_network(town: &Town, what: &str) {
     }
     let area: f64 = town.cells.iter().map(|c| signed_area(&c.border)).sum();
     assert!((area - town.outline.area()).abs() < 1e-3, "{what}: cells cover {area} of {}", town.outline.area());
+}
+
+/// The deck of a town's bridge leaves room above the water and is no ramp.
+fn check_deck(world: &World, chunk: &Chunk, bridge: &Street) {
+    let deck = chunk.decks.iter().find(|d| d.street == bridge.id).expect("a bridge has a deck");
+    let mut wet_points = 0;
+    for (p, height) in deck.line.iter().zip(&deck.heights) {
+        let sample = world.terrain().sample(chunk.origin.to_plan(*p));
+        wet_points += usize::from(sample.depth() > 0.0);
+        assert!(sample.depth() == 0.0 || *height >= sample.water_level + 1.0, "{height} at {p}");
+    }
+    assert!(wet_points > 0);
+    for (line, heights) in deck.line.windows(2).zip(deck.heights.windows(2)) {
+        let grade = (heights[1] - heights[0]).abs() / line[0].distance(line[1]);
+        assert!(grade < 0.35, "a grade of {grade:.2} at {}", chunk.origin.to_plan(line[0]));
+    }
 }
