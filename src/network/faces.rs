@@ -40,10 +40,13 @@ impl<E: Clone> PlanarGraph<E> {
         let mut order: Vec<(f64, usize, usize)> = Vec::new();
         for v in self.vertices() {
             order.clear();
+            // There is but one order of one or two.
+            let turns = self.degree(v) > 2;
             for &e in self.edges_at(v) {
                 let edge = self.edge(e);
                 let out = 2 * e as usize + usize::from(edge.a != v);
-                order.push((angle_of(self.at(edge.other(v)) - self.at(v)), out, out ^ 1));
+                let angle = if turns { angle_of(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
+                order.push((angle, out, out ^ 1));
             }
             order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
             // Coming in along a half-edge, the face on the left goes on along the next one clockwise.

@@ -24,8 +24,11 @@ pub(super) struct FreeGrid {
 }
 
 impl FreeGrid {
-    /// The grid of an empty cell; the border itself is not stamped yet.
-    pub fn new(border: &[DVec2], cap: f64) -> Self {
+    /// The grid of an empty cell; the border itself is not stamped yet. `asked` is the greatest distance that will be asked
+    /// for.
+    pub fn new(border: &[DVec2], asked: f64) -> Self {
+        // More room than that makes no difference, nor does rounding.
+        let cap = (asked - SLACK).max(0.0) + 0.1;
         let bounds = Bounds::of(border.iter().copied());
         let size = ((bounds.size() / STEP).ceil() + 1.0).max(DVec2::ONE);
         let (columns, rows) = (size.x as usize, size.y as usize);
@@ -87,7 +90,12 @@ impl FreeGrid {
         self.room.get(square).copied().map_or(0.0, f64::from)
     }
 
-    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance` (which lies below the cap), or
+    /// Where [`at`](Self::at) is more than this, no obstacle is nearer than `distance`.
+    pub fn most(distance: f64) -> f64 {
+        (distance + SLACK) * (distance + SLACK)
+    }
+
+    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance`, no more than what was to be asked, or
     /// the place is outside.
     pub fn least(distance: f64) -> f64 {
         let least = (distance - SLACK).max(0.0);

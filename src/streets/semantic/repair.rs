@@ -93,7 +93,7 @@ impl Work<'_> {
                 mends.push(Mend::straight(cost, at, end, Join::At(v), last));
             }
         }
-        let ahead = self.near.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
+        let ahead = self.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
         for share in [34.0, 52.0, 75.0] {
             if share > ahead - 18.0 {
                 break;
@@ -256,12 +256,9 @@ impl Work<'_> {
         let mut added = 0;
         let blocks = self.blocks();
         // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.
-        let edges = blocks.iter().flat_map(|(_, edges)| edges.iter().flatten());
-        let mut sides: Vec<u8> = Vec::new();
-        for &e in edges {
-            let e = e as usize;
-            sides.resize(sides.len().max(e + 1), 0);
-            sides[e] = sides[e].saturating_add(1);
+        let mut sides: Vec<u8> = vec![0; self.canvas.graph.edge_count()];
+        for &e in blocks.iter().flat_map(|(_, edges)| edges.iter().flatten()) {
+            sides[e as usize] = sides[e as usize].saturating_add(1);
         }
         for (face, edges) in blocks {
             if face.area() > most && self.divide(&face, &edges, &sides) {
@@ -281,7 +278,7 @@ impl Work<'_> {
         let reach = bounds.size().length();
         // A street across the block can only meet what is around it and in it first.
         std::mem::swap(&mut self.near, &mut self.around);
-        self.near.origin = self.around.origin;
+        (self.near.origin, self.near.within) = (self.around.origin, self.around.within);
         self.near.segs.clear();
         self.near.tips.clone_from(&self.around.tips);
         let is_met = |s: &&Seg| {
@@ -317,19 +314,19 @@ impl Work<'_> {
 
     /// Faces between local streets and the border, each with the local edge of every step of its walk.
     fn blocks(&self) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
+        let local = &self.canvas.graph;
         let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
+        // Local streets keep their vertices, but ports in one place, at both sides of a main street, are one there.
         let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
+        for v in local.vertices() {
+            graph.add_vertex(local.at(v));
+        }
+        let place = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+        for port in (0..self.brief.ports.len() as VertexIx).rev() {
+            places.insert(place(local.at(port)), port);
+        }
+        // A main street that is walked on both sides is there once.
         let mut known: BTreeSet<(VertexIx, VertexIx)> = BTreeSet::new();
-        let mut add = |graph: &mut PlanarGraph<Option<EdgeIx>>, a: DVec2, b: DVec2, edge: Option<EdgeIx>| {
-            let mut place = |p: DVec2| {
-                let p = crate::space::quantize(p);
-                *places.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| graph.add_vertex(p))
-            };
-            let (a, b) = (place(a), place(b));
-            if a != b && known.insert((a.min(b), a.max(b))) {
-                graph.add_edge(a, b, edge);
-            }
-        };
         for (a, b) in self.canvas.wall_lines() {
             // Divided at the ports that lie on it.
             let mut cuts: Vec<(f64, DVec2)> = vec![(0.0, a), (1.0, b)];
@@ -342,11 +339,21 @@ impl Work<'_> {
             }
             cuts.sort_by(|x, y| x.0.total_cmp(&y.0));
             for pair in cuts.windows(2) {
-                add(&mut graph, pair[0].1, pair[1].1, None);
+                let [a, b] = [pair[0].1, pair[1].1].map(|p| {
+                    let p = crate::space::quantize(p);
+                    *places.entry(place(p)).or_insert_with(|| graph.add_vertex(p))
+                });
+                if a != b && known.insert((a.min(b), a.max(b))) {
+                    graph.add_edge(a, b, None);
+                }
             }
         }
-        for (e, edge) in self.canvas.graph.edges() {
-            add(&mut graph, self.canvas.graph.at(edge.a), self.canvas.graph.at(edge.b), Some(e));
+        let shared = |v: VertexIx| {
+            let port = (v as usize) < self.brief.ports.len();
+            port.then(|| places.get(&place(local.at(v))).copied()).flatten().unwrap_or(v)
+        };
+        for (e, edge) in local.edges() {
+            graph.add_edge(shared(edge.a), shared(edge.b), Some(e));
         }
         let faces = graph.faces().into_iter().filter(|f| f.area() > 0.0);
         faces
