@@ -31,6 +31,9 @@ impl Face {
     }
 }
 
+/// Room for the steps around a face; most have no more.
+const USUAL: usize = 16;
+
 impl<E: Clone> PlanarGraph<E> {
     /// All faces, outer ones (negative area) included, ordered by their lowest half-edge.
     pub fn faces(&self) -> Vec<Face> {
@@ -60,7 +63,11 @@ impl<E: Clone> PlanarGraph<E> {
             if seen[start] || next[start] == usize::MAX {
                 continue;
             }
-            let mut face = Face { walk: Vec::new(), vertices: Vec::new(), polygon: Vec::new() };
+            let mut face = Face {
+                walk: Vec::with_capacity(USUAL),
+                vertices: Vec::with_capacity(USUAL),
+                polygon: Vec::with_capacity(USUAL),
+            };
             let mut h = start;
             while !seen[h] {
                 seen[h] = true;

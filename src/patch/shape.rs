@@ -94,8 +94,8 @@ impl PatchShape {
 /// patch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchView {
-    /// [`PatchShape::samples`], the farthest first.
-    pub samples: Vec<DVec2>,
+    /// [`PatchShape::samples`] with their distances from there, the farthest first.
+    pub samples: Vec<(DVec2, f64)>,
 }
 
 impl PatchView {
@@ -103,8 +103,8 @@ impl PatchView {
         let start = patch.vertices[from.vertex];
         let x = from.inward / from.inward.length_squared();
         let seen = |p: DVec2| DVec2::new(x.dot(p - start), x.perp_dot(p - start));
-        let mut samples: Vec<DVec2> = shape.samples.iter().map(|p| seen(*p)).collect();
-        samples.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
+        let mut samples: Vec<(DVec2, f64)> = shape.samples.iter().map(|p| (seen(*p), p.distance(start))).collect();
+        samples.sort_by(|a, b| b.1.total_cmp(&a.1));
         Self { samples }
     }
 }

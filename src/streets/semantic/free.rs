@@ -81,12 +81,26 @@ impl FreeGrid {
     /// Square of the room at the square of `p`, whose root is within [`SLACK`] of the distance to the nearest obstacle, or
     /// the cap; 0 outside.
     pub fn at(&self, p: DVec2) -> f64 {
-        let cell = (p - self.origin) * (1.0 / STEP);
-        let inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.size.x && cell.y < self.size.y;
+        self.at_square(self.in_squares(p))
+    }
+
+    /// A place counted in squares.
+    pub fn in_squares(&self, p: DVec2) -> DVec2 {
+        (p - self.origin) * (1.0 / STEP)
+    }
+
+    /// A step counted in squares.
+    pub fn step_in_squares(step: DVec2) -> DVec2 {
+        step * (1.0 / STEP)
+    }
+
+    /// [`at`](Self::at) for a place [counted in squares](Self::in_squares).
+    pub fn at_square(&self, square: DVec2) -> f64 {
+        let inside = square.x >= 0.0 && square.y >= 0.0 && square.x < self.size.x && square.y < self.size.y;
         if !inside {
             return 0.0;
         }
-        let square = cell.y as i32 as usize * self.columns + cell.x as i32 as usize;
+        let square = square.y as i32 as usize * self.columns + square.x as i32 as usize;
         self.room.get(square).copied().map_or(0.0, f64::from)
     }
 

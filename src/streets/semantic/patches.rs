@@ -1,7 +1,7 @@
 //! The choice of patches: breadth-first between two vertices, depth-first from one (Teng 2017, algorithms 2 and 3).
 
 use super::Work;
-use super::canvas::nearest;
+use super::near::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
@@ -24,6 +24,7 @@ const MET: f64 = 0.5;
 
 /// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
 const CHECKED: usize = 14;
+
 const RATED: usize = 3;
 
 /// Placements of one patch that are checked exactly.
@@ -259,12 +260,17 @@ impl Work<'_> {
             let n = 2 * p.connectables.len();
             let first = self.rng.index(n * ways.len());
             let mut tried = 0;
-            for k in first..first + n {
-                let (way, mirrored) = (ways[k % ways.len()], k % 2 == 1);
-                if !self.view_roughly_fits(&views[k % n / 2], at, way, mirrored) {
+            // Ends, each as drawn and mirrored, and directions in turn.
+            let (mut slot, mut turn) = (first % n, first % ways.len());
+            for _ in 0..n {
+                let (end, mirrored, way) = (slot / 2, slot % 2 == 1, ways[turn]);
+                (slot, turn) = (slot + 1, turn + 1);
+                slot = if slot == n { 0 } else { slot };
+                turn = if turn == ways.len() { 0 } else { turn };
+                if !self.view_roughly_fits(&views[end], at, way, mirrored) {
                     continue;
                 }
-                let c = &p.connectables[k % n / 2];
+                let c = &p.connectables[end];
                 let start = (patch, c.vertex, p.vertices[c.vertex]);
                 let placement = Placement::new(start, c.inward, mirrored, at, way);
                 (checked, tried) = (checked + 1, tried + 1);

@@ -3,10 +3,10 @@
 
 use super::Work;
 use super::bend::Bend;
-use super::canvas::{NONE, nearest};
 use super::checker::WEDGE;
 use super::free::FreeGrid;
 use super::joint::joint_angle_fits;
+use super::near::{NONE, nearest};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{LEAST_ARM, PatchView, STREET_FLOOR, keeps_rules};
@@ -96,10 +96,11 @@ impl Work<'_> {
     /// The same for a patch whose `view` from one of its ends is laid at `start` in the direction `way` (of length 1).
     pub(super) fn view_roughly_fits(&self, view: &PatchView, start: DVec2, way: DVec2, mirrored: bool) -> bool {
         let enough = FreeGrid::least(coarse_gap(&self.limits));
+        let (start, way) = (self.canvas.free.in_squares(start), FreeGrid::step_in_squares(way));
         let across = if mirrored { -way.perp() } else { way.perp() };
-        view.samples.iter().all(|s| {
-            let room = self.canvas.free.at(start + way * s.x + across * s.y);
-            room >= enough || room >= FreeGrid::least(WEDGE * s.length())
+        view.samples.iter().all(|(p, away)| {
+            let room = self.canvas.free.at_square(start + way * p.x + across * p.y);
+            room >= enough || room >= FreeGrid::least(WEDGE * away)
         })
     }
 

@@ -1,7 +1,7 @@
 //! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
 
 use super::Work;
-use super::canvas::{NONE, Seg};
+use super::near::{NONE, Seg};
 use super::proposal::{Join, Limits};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};

@@ -23,8 +23,8 @@ pub(super) struct Squares {
     heads: Vec<u32>,
     /// An obstacle and the link before.
     links: Vec<(u32, u32)>,
-    /// For each obstacle its south-west square.
-    firsts: Vec<IVec2>,
+    /// Number of obstacles.
+    count: u32,
 }
 
 impl Squares {
@@ -32,7 +32,7 @@ impl Squares {
     pub fn new(bounds: Bounds) -> Self {
         let size = (bounds.size() / SIDE).ceil().clamp(DVec2::ONE, DVec2::splat(512.0)).as_ivec2();
         let heads = vec![END; (size.x * size.y) as usize];
-        Self { corner: bounds.min, size, heads, links: Vec::new(), firsts: Vec::new() }
+        Self { corner: bounds.min, size, heads, links: Vec::new(), count: 0 }
     }
 
     fn square(&self, p: DVec2) -> IVec2 {
@@ -48,31 +48,12 @@ impl Squares {
     /// Adds the next obstacle, the segment `a`-`b`.
     pub fn add(&mut self, a: DVec2, b: DVec2) {
         let (low, high) = (self.square(a.min(b) - MARGIN), self.square(a.max(b) + MARGIN));
-        let obstacle = self.firsts.len() as u32;
-        self.firsts.push(low);
         for (x, y) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
             let head = &mut self.heads[(y * self.size.x + x) as usize];
-            self.links.push((obstacle, *head));
+            self.links.push((self.count, *head));
             *head = (self.links.len() - 1) as u32;
         }
-    }
-
-    /// Visits what may overlap a box, each obstacle once; false, without a visit, where it is as well to look at all.
-    pub fn visit(&self, bounds: Bounds, mut visit: impl FnMut(u32)) -> bool {
-        let (low, high) = (self.square(bounds.min - MARGIN), self.square(bounds.max + MARGIN));
-        let count = (high - low + 1).element_product() as usize;
-        if 2 * count > self.heads.len() {
-            return false;
-        }
-        for (x, y) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
-            for obstacle in self.links_of(x, y) {
-                // In the first of the squares that it shares with the box.
-                if self.firsts[obstacle as usize].max(low) == IVec2::new(x, y) {
-                    visit(obstacle);
-                }
-            }
-        }
-        true
+        self.count += 1;
     }
 
     /// Visits what may meet the segment `from`-`to`, about in the order in which it is met; some more than once. `visit` is
@@ -155,13 +136,6 @@ mod tests {
                 squares.along(a, b, |i, _| seen[i as usize] += 1);
                 for (i, (c, d)) in lines.iter().enumerate() {
                     assert!(seen[i] > 0 || segment_crossing(a, b, *c, *d).is_none(), "{seed}: {a} {b} meets {c} {d}");
-                }
-                let around = Bounds::of([a, b]);
-                seen.fill(0);
-                if squares.visit(around, |i| seen[i as usize] += 1) {
-                    for (i, (c, d)) in lines.iter().enumerate() {
-                        assert!(seen[i] < 2 && (seen[i] == 1 || !around.overlaps(Bounds::of([*c, *d]))), "{seed}");
-                    }
                 }
             }
         }
