@@ -104,6 +104,20 @@ impl FreeGrid {
         self.room.get(square).copied().map_or(0.0, f64::from)
     }
 
+    /// About how far it is from a street at `from` in this direction to what is met next, up to `reach`.
+    pub fn ahead(&self, from: DVec2, direction: DVec2, reach: f64) -> f64 {
+        // Not the street that is left.
+        let mut far = 2.0 * SLACK;
+        while far < reach {
+            let room = self.at(from + direction * far).sqrt();
+            if room < SLACK && far > 4.0 * SLACK {
+                break;
+            }
+            far += room.max(0.5 * STEP);
+        }
+        far.min(reach)
+    }
+
     /// Where [`at`](Self::at) is more than this, no obstacle is nearer than `distance`.
     pub fn most(distance: f64) -> f64 {
         (distance + SLACK) * (distance + SLACK)

@@ -17,6 +17,9 @@ use std::f64::consts::FRAC_PI_2;
 /// Connections that are checked exactly for one dead end or one block.
 const TRIES: usize = 10;
 
+/// Streets across a block of which it is found where they end.
+const LOOKED_AT: usize = 2 * TRIES;
+
 /// A street that would mend something, and what it costs.
 struct Mend {
     cost: f64,
@@ -186,7 +189,12 @@ impl Work<'_> {
 
     /// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
     fn off_field(&self, from: DVec2, end: DVec2) -> f64 {
-        let off = angle_of(end - from) - self.brief.field.angle((from + end) / 2.0);
+        self.heading_off_field(angle_of(end - from), (from + end) / 2.0)
+    }
+
+    /// The same for a street around the place `at` that heads at this angle.
+    fn heading_off_field(&self, heading: f64, at: DVec2) -> f64 {
+        let off = heading - self.brief.field.angle(at);
         let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
         1.0 + 2.5 * self.field_pull * off.abs()
     }
@@ -287,29 +295,47 @@ impl Work<'_> {
         self.near.segs.extend(self.around.segs.iter().filter(is_met));
         let mut mends: Vec<Mend> = Vec::new();
         let mut line = Vec::new();
+        // About what it costs, where it begins, in which direction, square to the street, the angle to that, the street.
+        let mut starts: Vec<(f64, DVec2, DVec2, f64, EdgeIx)> = Vec::new();
         for (i, edge) in edges.iter().enumerate() {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
             let inward = (b - a).perp().normalize_or_zero();
+            let heading = angle_of(inward);
+            let angles = [0.0, 0.3, -0.3];
+            let directions = angles.map(|angle| rotate(inward, angle));
             let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-                let start = from + inward * 0.5;
-                for angle in [0.0, 0.3, -0.3] {
-                    let direction = rotate(inward, angle);
-                    if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line) {
-                        if last == Join::On(edge) {
-                            continue;
-                        }
-                        let off = ((from + end) / 2.0).distance(middle);
-                        let cost = distance * (1.0 + 0.5 * angle.abs()) + 1.5 * off;
-                        mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
-                    }
+                for (angle, direction) in angles.into_iter().zip(directions) {
+                    let far = self.canvas.free.ahead(from, direction, reach);
+                    let end = from + direction * far;
+                    let distance = far * self.heading_off_field(heading + angle, from.midpoint(end));
+                    starts.push((self.cost_across(from, end, distance, angle, middle), from, inward, angle, edge));
                 }
+            }
+        }
+        // The coarse grid tells about where a street would end; only the best of these are looked at, in their order here.
+        let mut best: Vec<usize> = (0..starts.len()).collect();
+        best.sort_by(|x, y| starts[*x].0.total_cmp(&starts[*y].0));
+        best.truncate(LOOKED_AT);
+        best.sort_unstable();
+        for (_, from, inward, angle, edge) in best.into_iter().map(|i| starts[i]) {
+            let (start, direction) = (from + inward * 0.5, rotate(inward, angle));
+            if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line)
+                && last != Join::On(edge)
+            {
+                let cost = self.cost_across(from, end, distance, angle, middle);
+                mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
             }
         }
         self.unfocus();
         self.build_best(mends, &limits, TRIES)
+    }
+
+    /// What a street across a block costs, of this length and at this angle to square; the more the farther from its middle.
+    fn cost_across(&self, from: DVec2, end: DVec2, distance: f64, angle: f64, middle: DVec2) -> f64 {
+        distance * (1.0 + 0.5 * angle.abs()) + 1.5 * ((from + end) / 2.0).distance(middle)
     }
 
     /// Faces between local streets and the border, each with the local edge of every step of its walk.
