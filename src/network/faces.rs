@@ -31,6 +31,9 @@ impl Face {
     }
 }
 
+/// Room for the steps around a face; most have no more.
+const USUAL: usize = 16;
+
 impl<E: Clone> PlanarGraph<E> {
     /// All faces, outer ones (negative area) included, ordered by their lowest half-edge.
     pub fn faces(&self) -> Vec<Face> {
@@ -40,10 +43,13 @@ impl<E: Clone> PlanarGraph<E> {
         let mut order: Vec<(f64, usize, usize)> = Vec::new();
         for v in self.vertices() {
             order.clear();
+            // There is but one order of one or two.
+            let turns = self.degree(v) > 2;
             for &e in self.edges_at(v) {
                 let edge = self.edge(e);
                 let out = 2 * e as usize + usize::from(edge.a != v);
-                order.push((angle_of(self.at(edge.other(v)) - self.at(v)), out, out ^ 1));
+                let angle = if turns { angle_of(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
+                order.push((angle, out, out ^ 1));
             }
             order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
             // Coming in along a half-edge, the face on the left goes on along the next one clockwise.
@@ -57,7 +63,11 @@ impl<E: Clone> PlanarGraph<E> {
             if seen[start] || next[start] == usize::MAX {
                 continue;
             }
-            let mut face = Face { walk: Vec::new(), vertices: Vec::new(), polygon: Vec::new() };
+            let mut face = Face {
+                walk: Vec::with_capacity(USUAL),
+                vertices: Vec::with_capacity(USUAL),
+                polygon: Vec::with_capacity(USUAL),
+            };
             let mut h = start;
             while !seen[h] {
                 seen[h] = true;

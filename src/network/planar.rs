@@ -57,11 +57,54 @@ impl RTreeObject for Indexed {
     }
 }
 
+/// The edges at a vertex, oldest first: a few in place, more in a list.
+#[derive(Clone, Debug)]
+enum Around {
+    Few(u32, [EdgeIx; FEW]),
+    Many(Vec<EdgeIx>),
+}
+
+/// More edges than most vertices have.
+const FEW: usize = 4;
+
+impl Around {
+    fn edges(&self) -> &[EdgeIx] {
+        match self {
+            Self::Few(count, edges) => &edges[..*count as usize],
+            Self::Many(edges) => edges,
+        }
+    }
+
+    fn push(&mut self, edge: EdgeIx) {
+        match self {
+            Self::Few(count, edges) if (*count as usize) < FEW => {
+                edges[*count as usize] = edge;
+                *count += 1;
+            }
+            Self::Few(_, edges) => *self = Self::Many(edges.iter().copied().chain([edge]).collect()),
+            Self::Many(edges) => edges.push(edge),
+        }
+    }
+
+    fn remove(&mut self, edge: EdgeIx) {
+        match self {
+            Self::Few(count, edges) => {
+                let at = edges[..*count as usize].iter().position(|e| *e == edge);
+                if let Some(at) = at {
+                    edges.copy_within(at + 1.., at);
+                    *count -= 1;
+                }
+            }
+            Self::Many(edges) => edges.retain(|e| *e != edge),
+        }
+    }
+}
+
 /// A planar graph of straight edges that carry `E`.
 #[derive(Clone, Debug)]
 pub struct PlanarGraph<E> {
     positions: Vec<DVec2>,
-    around: Vec<Vec<EdgeIx>>,
+    around: Vec<Around>,
     edges: Vec<Option<Edge<E>>>,
     /// `None` in a graph without an index.
     index: Option<RTree<Indexed>>,
@@ -88,7 +131,7 @@ impl<E: Clone> PlanarGraph<E> {
     /// Adds a vertex at `p`, rounded to the quantum grid.
     pub fn add_vertex(&mut self, p: DVec2) -> VertexIx {
         self.positions.push(quantize(p));
-        self.around.push(Vec::new());
+        self.around.push(Around::Few(0, [0; FEW]));
         (self.positions.len() - 1) as VertexIx
     }
 
@@ -114,7 +157,7 @@ impl<E: Clone> PlanarGraph<E> {
             index.remove(&indexed);
         }
         for v in [removed.a, removed.b] {
-            self.around[v as usize].retain(|e| *e != edge);
+            self.around[v as usize].remove(edge);
         }
         Some(removed)
     }
@@ -182,12 +225,12 @@ impl<E: Clone> PlanarGraph<E> {
 
     /// Edges at a vertex, oldest first.
     pub fn edges_at(&self, v: VertexIx) -> &[EdgeIx] {
-        &self.around[v as usize]
+        self.around[v as usize].edges()
     }
 
     /// Number of edges at a vertex.
     pub fn degree(&self, v: VertexIx) -> usize {
-        self.around[v as usize].len()
+        self.edges_at(v).len()
     }
 
     /// Vertices joined to `v` by an edge.

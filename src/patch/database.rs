@@ -1,6 +1,6 @@
 //! The patches that a style may use, indexed for the searches.
 
-use crate::patch::{MainLine, Patch, PatchSet, PatchShape, Pattern};
+use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -42,6 +42,8 @@ pub struct PatchFacts {
     pub main: Option<MainLine>,
     /// Its geometry, taken apart.
     pub shape: PatchShape,
+    /// The same as seen from each of its connectable vertices, in their order.
+    pub views: Vec<PatchView>,
 }
 
 impl PatchFacts {
@@ -49,7 +51,9 @@ impl PatchFacts {
         let ends = |v: &usize| patch.degree(*v) == 1 && !patch.is_connectable(*v);
         let local = |v: &usize| patch.edges_at(*v).all(|e| !patch.edges[e].main);
         let dead_ends = (0..patch.vertices.len()).filter(ends).filter(local).collect();
-        Self { streets: patch.streets(), dead_ends, main: patch.main_line(), shape: PatchShape::of(patch) }
+        let shape = PatchShape::of(patch);
+        let views = patch.connectables.iter().map(|c| PatchView::of(patch, &shape, c)).collect();
+        Self { streets: patch.streets(), dead_ends, main: patch.main_line(), shape, views }
     }
 }
 

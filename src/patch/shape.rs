@@ -1,7 +1,7 @@
 //! The geometry of a patch taken apart as a filler needs it: what may be cut back, what may not, and whether its streets
 //! keep the distances that a filler keeps.
 
-use crate::patch::Patch;
+use crate::patch::{Connectable, Patch};
 use crate::space::segment_distance;
 use glam::DVec2;
 
@@ -87,6 +87,25 @@ impl PatchShape {
         shape.samples.dedup();
         shape.sound = is_sound(patch);
         shape
+    }
+}
+
+/// A patch as seen from one of its connectable vertices: from there, x is the direction in which the street enters the
+/// patch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PatchView {
+    /// [`PatchShape::samples`] with their distances from there, the farthest first.
+    pub samples: Vec<(DVec2, f64)>,
+}
+
+impl PatchView {
+    pub(super) fn of(patch: &Patch, shape: &PatchShape, from: &Connectable) -> Self {
+        let start = patch.vertices[from.vertex];
+        let x = from.inward / from.inward.length_squared();
+        let seen = |p: DVec2| DVec2::new(x.dot(p - start), x.perp_dot(p - start));
+        let mut samples: Vec<(DVec2, f64)> = shape.samples.iter().map(|p| (seen(*p), p.distance(start))).collect();
+        samples.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Self { samples }
     }
 }
 

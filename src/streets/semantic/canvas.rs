@@ -1,23 +1,20 @@
-//! What a cell is drawn on: the growing graph of local streets, the walls around it, and what is near a place.
+//! What a cell is drawn on: the growing graph of local streets and the walls around it.
 
 use super::free::FreeGrid;
+use super::near::{Hull, NONE, Near, Ray, Reach, Seg, Tip};
 use super::proposal::{Join, Proposal};
+use super::squares::Squares;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
-use crate::space::{Bounds, closest_on_segment, quantize, segment_crossing};
+use crate::seam::{CellPort, STUB_LENGTH};
+use crate::space::{Bounds, quantize};
 use crate::streets::{CellBrief, MadeBy};
-use glam::{DVec2, Vec4};
+use glam::DVec2;
 
 /// Least distance between a street's pavement and that of a border street, in metres.
 pub(super) const WALL_MARGIN: f64 = 4.0;
 
 /// Least distance from an open side of the cell.
 const OPEN_SIDE: f64 = 14.0;
-
-/// Least cross product, in square metres, of what is surely beside a line; rounding errors are far smaller.
-const BESIDE: f64 = 1e-6;
-
-/// Stands for "no edge" and "no vertex" in a [`Seg`].
-pub(super) const NONE: u32 = u32::MAX;
 
 /// What is known of a vertex beside its position.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,136 +29,12 @@ pub(super) struct Node {
     pub pinned: bool,
 }
 
-/// The box of a segment, or a little more, so that one instruction or two tell whether it overlaps another: the south-west
-/// corner and the north-east one with its signs changed, in single precision, from the canvas's origin.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hull(Vec4);
-
-impl Hull {
-    /// Overlaps nothing.
-    const NOWHERE: Self = Self(Vec4::INFINITY);
-
-    fn new(a: DVec2, b: DVec2, origin: DVec2) -> Self {
-        let (low, high) = (a.min(b) - origin - HULL_MARGIN, a.max(b) - origin + HULL_MARGIN);
-        Self(Vec4::new(low.x as f32, low.y as f32, -high.x as f32, -high.y as f32))
-    }
-
-    /// False only where the boxes are surely apart.
-    pub fn overlaps(self, reach: Reach) -> bool {
-        self.0.cmple(reach.0).all()
-    }
-}
-
-/// A box to hold against [`Hull`]s: its north-east corner, and the south-west one with its signs changed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Reach(Vec4);
-
-/// How much a hull is larger than the box, in metres; far more than single precision loses within a cell.
-const HULL_MARGIN: f64 = 0.02;
-
 /// A border edge of the cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     a: DVec2,
     b: DVec2,
-    hull: Hull,
     floor: f64,
-}
-
-/// An obstacle: a street segment or a wall.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Seg {
-    /// First end.
-    pub a: DVec2,
-    /// Second end.
-    pub b: DVec2,
-    /// Its box.
-    pub hull: Hull,
-    /// Edge of the graph, [`NONE`] for a wall.
-    pub edge: EdgeIx,
-    /// Vertex at `a`, [`NONE`] for a wall.
-    pub va: VertexIx,
-    /// Vertex at `b`, [`NONE`] for a wall.
-    pub vb: VertexIx,
-    /// Least distance from a wall that nothing may fall below; 0 for streets.
-    pub floor: f64,
-}
-
-impl Seg {
-    /// Whether this is a border edge.
-    pub fn is_wall(&self) -> bool {
-        self.edge == NONE
-    }
-
-    /// Whether it surely lies to one side of the line through `from` along `step`, by so much that no rounding matters.
-    pub fn is_beside(&self, from: DVec2, step: DVec2) -> bool {
-        let (a, b) = (step.perp_dot(self.a - from), step.perp_dot(self.b - from));
-        a.min(b) > BESIDE || a.max(b) < -BESIDE
-    }
-
-    /// Whether `v` is one of its ends.
-    pub fn ends_at(&self, v: VertexIx) -> bool {
-        self.va == v || self.vb == v
-    }
-}
-
-/// The obstacles around a place, copied together so that many proposals can be held against them.
-#[derive(Default)]
-pub(super) struct Near {
-    /// The obstacles.
-    pub segs: Vec<Seg>,
-    /// The dead ends among their ends.
-    pub tips: Vec<Tip>,
-    /// Origin of the hulls.
-    pub origin: DVec2,
-}
-
-/// A dead end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tip {
-    /// The vertex.
-    pub v: VertexIx,
-    /// Where it lies.
-    pub at: DVec2,
-    /// Unit direction in which its street would go on.
-    pub lead: DVec2,
-    /// Whether the network may go on here.
-    pub open: bool,
-}
-
-impl Near {
-    /// The box from `low` to `high`, to hold against the hulls of the obstacles.
-    pub fn reach(&self, low: DVec2, high: DVec2) -> Reach {
-        let (low, high) = ((low - self.origin).as_vec2(), (high - self.origin).as_vec2());
-        Reach(Vec4::new(high.x, high.y, -low.x, -low.y))
-    }
-
-    /// First obstacle that the segment `from`-`to` meets: its index, and parameter and position on the segment. What
-    /// ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
-    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(usize, f64, DVec2)> {
-        let mut reach = self.reach(from.min(to), from.max(to));
-        let step = to - from;
-        let mut best: Option<(usize, f64, DVec2)> = None;
-        for (i, s) in self.segs.iter().enumerate() {
-            if !s.hull.overlaps(reach) || s.is_beside(from, step) {
-                continue;
-            }
-            // At a port, the main street is left as well.
-            if leaving != NONE
-                && (s.ends_at(leaving) || (s.is_wall() && nearest(from, s.a, s.b).distance_squared(from) < 1e-4))
-            {
-                continue;
-            }
-            if let Some(x) = segment_crossing(from, to, s.a, s.b)
-                && best.is_none_or(|b| x.t < b.1)
-            {
-                best = Some((i, x.t, x.at));
-                // What lies beyond, by more than rounding, is not met first.
-                reach = self.reach(from.min(x.at), from.max(x.at));
-            }
-        }
-        best
-    }
 }
 
 /// The growing graph of a cell.
@@ -173,15 +46,19 @@ pub(super) struct Canvas {
     /// Free room around every point.
     pub free: FreeGrid,
     walls: Vec<Wall>,
-    /// Boxes of the edges, by index; those of removed edges stay, and the youngest may be missing.
+    /// Boxes of the walls and after them of the edges, by index; those of removed edges may stay.
     hulls: Vec<Hull>,
+    /// Whether the streets at the ports are stamped.
+    knows_stubs: bool,
+    /// Walls and edges by place, numbered likewise.
+    squares: Squares,
     origin: DVec2,
 }
 
 impl Canvas {
-    /// The canvas of a cell, with a vertex at each port, in their order, and no street yet. `cap` is the greatest
+    /// The canvas of a cell, with a vertex at each port, in their order, and no street yet. `asked` is the greatest
     /// distance that will be asked of [`Canvas::free`].
-    pub fn new(brief: &CellBrief<'_>, cap: f64) -> Self {
+    pub fn new(brief: &CellBrief<'_>, asked: f64) -> Self {
         let n = brief.border.len();
         let origin = brief.border.first().copied().unwrap_or_default();
         let walls: Vec<Wall> = (0..n)
@@ -189,14 +66,17 @@ impl Canvas {
                 let half = brief.street_half_width.get(i).copied().flatten();
                 let floor = half.map_or(OPEN_SIDE, |h| h + StreetClass::Local.half_width() + WALL_MARGIN);
                 let (a, b) = (brief.border[i], brief.border[(i + 1) % n]);
-                Wall { a, b, hull: Hull::new(a, b, origin), floor }
+                Wall { a, b, floor }
             })
             .filter(|w| w.a != w.b)
             .collect();
-        let mut free = FreeGrid::new(brief.border, cap);
+        let mut free = FreeGrid::new(brief.border, asked);
         walls.iter().for_each(|w| free.stamp(w.a, w.b));
         let graph = PlanarGraph::without_index();
-        let mut canvas = Self { graph, nodes: Vec::new(), free, walls, hulls: Vec::new(), origin };
+        let hulls = walls.iter().map(|w| Hull::new(w.a, w.b, origin)).collect();
+        let mut squares = Squares::new(Bounds::of(brief.border.iter().copied()));
+        walls.iter().for_each(|w| squares.add(w.a, w.b));
+        let mut canvas = Self { graph, nodes: Vec::new(), free, walls, hulls, knows_stubs: false, squares, origin };
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
@@ -212,11 +92,23 @@ impl Canvas {
     /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
     pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
         self.graph.add_edge(port, end, MadeBy::Growth);
+        self.index_edges();
+    }
+
+    /// Puts the youngest edges among the obstacles.
+    fn index_edges(&mut self) {
+        for edge in self.hulls.len() - self.walls.len()..self.graph.edge_count() {
+            // Every edge is indexed before it can be removed.
+            let (a, b) = self.graph.segment(edge as EdgeIx);
+            self.hulls.push(Hull::new(a, b, self.origin));
+            self.squares.add(a, b);
+        }
     }
 
     /// Adds an edge.
     pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);
+        self.index_edges();
         self.free.stamp(self.graph.at(a), self.graph.at(b));
     }
 
@@ -227,6 +119,10 @@ impl Canvas {
         let ends = self.graph.edge(edge);
         let pinned = [ends.a, ends.b].into_iter().all(|v| self.nodes[v as usize].pinned);
         let v = self.graph.split_edge(edge, p);
+        if !self.graph.is_live(edge) {
+            self.hulls[self.walls.len() + edge as usize] = Hull::NOWHERE;
+        }
+        self.index_edges();
         while self.nodes.len() < self.graph.vertex_count() {
             self.nodes.push(Node { open: true, pinned, ..Node::default() });
         }
@@ -261,42 +157,97 @@ impl Canvas {
         }
     }
 
+    /// Whether there is surely nothing within `distance` of `p`; false where that is not known.
+    pub fn is_clear(&self, p: DVec2, distance: f64) -> bool {
+        self.knows_stubs && self.free.at(p) > FreeGrid::most(distance)
+    }
+
+    /// Tells the coarse grid of the streets at the ports.
+    pub fn stamp_stubs(&mut self, ports: &[CellPort]) {
+        for port in ports {
+            self.free.stamp(port.at, port.at + port.inward * STUB_LENGTH);
+        }
+        self.knows_stubs = true;
+    }
+
+    /// The wall or edge of this number among the obstacles; `None` for an edge that was removed.
+    fn obstacle(&self, number: usize) -> Option<Seg> {
+        let hull = self.hulls[number];
+        if let Some(w) = self.walls.get(number) {
+            return Some(Seg { a: w.a, b: w.b, hull, edge: NONE, va: NONE, vb: NONE, floor: w.floor });
+        }
+        let edge = (number - self.walls.len()) as EdgeIx;
+        self.graph.is_live(edge).then(|| {
+            let e = self.graph.edge(edge);
+            let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
+            Seg { a, b, hull, edge, va: e.a, vb: e.b, floor: 0.0 }
+        })
+    }
+
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
-    pub fn gather(&mut self, of: Bounds, reach: f64, near: &mut Near) {
+    pub fn gather(&self, of: Bounds, reach: f64, near: &mut Near) {
+        self.gather_segs(of.grown(reach), near);
+        near.tips.clear();
+        for s in near.segs.iter().filter(|s| !s.is_wall()) {
+            self.add_tips(s, &mut near.tips);
+        }
+    }
+
+    /// Collects the walls and streets that overlap a box into `near`; its dead ends stay as they are.
+    pub fn gather_segs(&self, bounds: Bounds, near: &mut Near) {
+        near.segs.clear();
+        near.origin = self.origin;
+        near.within = near.reach(bounds.min, bounds.max);
+        for (number, hull) in self.hulls.iter().enumerate() {
+            if hull.overlaps(near.within) {
+                near.segs.extend(self.obstacle(number));
+            }
+        }
+    }
+
+    /// Collects the dead ends of streets within `reach` of `of` into `near`, without the streets.
+    pub fn gather_tips(&self, of: Bounds, reach: f64, near: &mut Near) {
+        let bounds = of.grown(reach);
         near.segs.clear();
         near.tips.clear();
         near.origin = self.origin;
-        for edge in self.hulls.len()..self.graph.edge_count() {
-            let edge = edge as EdgeIx;
-            let ends = self.graph.is_live(edge).then(|| self.graph.segment(edge));
-            self.hulls.push(ends.map_or(Hull::NOWHERE, |(a, b)| Hull::new(a, b, self.origin)));
-        }
-        let bounds = of.grown(reach);
-        let reach = near.reach(bounds.min, bounds.max);
-        let inside = |a: DVec2, b: DVec2| bounds.overlaps(Bounds::new(a.min(b), a.max(b)));
-        for w in self.walls.iter().filter(|w| w.hull.overlaps(reach)) {
-            if inside(w.a, w.b) {
-                let (a, b, hull, floor) = (w.a, w.b, w.hull, w.floor);
-                near.segs.push(Seg { a, b, hull, edge: NONE, va: NONE, vb: NONE, floor });
-            }
-        }
-        for (edge, &hull) in self.hulls.iter().enumerate().filter(|(_, hull)| hull.overlaps(reach)) {
-            let edge = edge as EdgeIx;
-            if !self.graph.is_live(edge) {
-                continue;
-            }
-            let e = self.graph.edge(edge);
-            let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-            if inside(a, b) {
-                near.segs.push(Seg { a, b, hull, edge, va: e.a, vb: e.b, floor: 0.0 });
-                for (v, at, from) in [(e.a, a, b), (e.b, b, a)] {
-                    if self.is_dead_end(v) {
-                        let open = self.nodes[v as usize].open;
-                        near.tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
-                    }
+        near.within = near.reach(bounds.min, bounds.max);
+        for (number, hull) in self.hulls.iter().enumerate().skip(self.walls.len()) {
+            let edge = (number - self.walls.len()) as EdgeIx;
+            if hull.overlaps(near.within) && self.graph.is_live(edge) {
+                let e = self.graph.edge(edge);
+                if self.graph.degree(e.a) == 1 || self.graph.degree(e.b) == 1 {
+                    let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
+                    self.add_tips(&Seg { a, b, hull: *hull, edge, va: e.a, vb: e.b, floor: 0.0 }, &mut near.tips);
                 }
             }
         }
+    }
+
+    fn add_tips(&self, s: &Seg, tips: &mut Vec<Tip>) {
+        for (v, at, from) in [(s.va, s.a, s.b), (s.vb, s.b, s.a)] {
+            if self.is_dead_end(v) {
+                let open = self.nodes[v as usize].open;
+                tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
+            }
+        }
+    }
+
+    /// First obstacle among those that overlap `within` that the segment `from`-`to` meets, with the parameter and position
+    /// on the segment. What ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
+    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx, within: Reach) -> Option<(Seg, f64, DVec2)> {
+        let mut ray = Ray::new(from, to, leaving, self.origin);
+        self.squares.along(from, to, |number, end| {
+            let hull = self.hulls[number as usize];
+            if hull.overlaps(ray.reach)
+                && hull.overlaps(within)
+                && let Some(s) = self.obstacle(number as usize)
+                && let Some(at) = ray.try_on(number, &s)
+            {
+                *end = at;
+            }
+        });
+        ray.met()
     }
 
     /// The border edges.
@@ -338,9 +289,4 @@ impl Canvas {
         let w = self.graph.neighbours(v).next()?;
         Some((self.graph.at(v) - self.graph.at(w)).normalize_or_zero())
     }
-}
-
-/// Nearest point of segment `a`-`b` to `p`.
-pub(super) fn nearest(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
-    closest_on_segment(p, a, b).1
 }

@@ -1,8 +1,9 @@
 //! Every street of a cell, from a patch, from growth or from repair, is checked here against the same rules before it is
 //! built (the connect and clip checks of Teng 2017, section 3.3), so the rules hold for the finished cell.
 
-use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::canvas::Canvas;
 use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
+use super::near::{NONE, Near, Seg, nearest};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::STREET_FLOOR;
@@ -103,7 +104,10 @@ impl Checker {
     /// breaks a rule.
     fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
         let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
-        let reach = if self.joints.len() > 1 { gaps.max(limits.min_round) } else { gaps };
+        // Of a way around a block the part along the network may be no longer than what the proposal leaves of it.
+        let pairs = self.joints.iter().enumerate().flat_map(|(i, j)| self.joints[..i].iter().map(move |k| (j, k)));
+        let through = pairs.map(|(j, k)| j.at.distance(k.at)).fold(f64::INFINITY, f64::min);
+        let reach = gaps.max(limits.min_round - through + ROUNDING);
         let mut joints = std::mem::take(&mut self.joints);
         let fits = joints.iter_mut().all(|joint| {
             let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
@@ -284,8 +288,22 @@ impl Checker {
         let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         let far = (widest + ROUNDING) * (widest + ROUNDING);
+        let step = b - a;
+        let length = step.length();
+        let (off, end) = (widest * length + ROUNDING, length * length);
         'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
             if !s.hull.overlaps(reach) {
+                continue;
+            }
+            // Beyond the same box turned along the edge.
+            let (to_a, to_b) = (s.a - a, s.b - a);
+            let (beside_a, beside_b) = (step.perp_dot(to_a), step.perp_dot(to_b));
+            let (along_a, along_b) = (step.dot(to_a), step.dot(to_b));
+            if beside_a.min(beside_b) > off
+                || beside_a.max(beside_b) < -off
+                || along_a.min(along_b) > end + off
+                || along_a.max(along_b) < -off
+            {
                 continue;
             }
             let dead = |v: VertexIx| v != NONE && canvas.is_dead_end(v) && self.joints.iter().all(|j| j.vertex != v);

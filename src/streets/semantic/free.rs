@@ -24,8 +24,11 @@ pub(super) struct FreeGrid {
 }
 
 impl FreeGrid {
-    /// The grid of an empty cell; the border itself is not stamped yet.
-    pub fn new(border: &[DVec2], cap: f64) -> Self {
+    /// The grid of an empty cell; the border itself is not stamped yet. `asked` is the greatest distance that will be asked
+    /// for.
+    pub fn new(border: &[DVec2], asked: f64) -> Self {
+        // More room than that makes no difference, nor does rounding.
+        let cap = (asked - SLACK).max(0.0) + 0.1;
         let bounds = Bounds::of(border.iter().copied());
         let size = ((bounds.size() / STEP).ceil() + 1.0).max(DVec2::ONE);
         let (columns, rows) = (size.x as usize, size.y as usize);
@@ -78,16 +81,49 @@ impl FreeGrid {
     /// Square of the room at the square of `p`, whose root is within [`SLACK`] of the distance to the nearest obstacle, or
     /// the cap; 0 outside.
     pub fn at(&self, p: DVec2) -> f64 {
-        let cell = (p - self.origin) * (1.0 / STEP);
-        let inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < self.size.x && cell.y < self.size.y;
+        self.at_square(self.in_squares(p))
+    }
+
+    /// A place counted in squares.
+    pub fn in_squares(&self, p: DVec2) -> DVec2 {
+        (p - self.origin) * (1.0 / STEP)
+    }
+
+    /// A step counted in squares.
+    pub fn step_in_squares(step: DVec2) -> DVec2 {
+        step * (1.0 / STEP)
+    }
+
+    /// [`at`](Self::at) for a place [counted in squares](Self::in_squares).
+    pub fn at_square(&self, square: DVec2) -> f64 {
+        let inside = square.x >= 0.0 && square.y >= 0.0 && square.x < self.size.x && square.y < self.size.y;
         if !inside {
             return 0.0;
         }
-        let square = cell.y as i32 as usize * self.columns + cell.x as i32 as usize;
+        let square = square.y as i32 as usize * self.columns + square.x as i32 as usize;
         self.room.get(square).copied().map_or(0.0, f64::from)
     }
 
-    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance` (which lies below the cap), or
+    /// About how far it is from a street at `from` in this direction to what is met next, up to `reach`.
+    pub fn ahead(&self, from: DVec2, direction: DVec2, reach: f64) -> f64 {
+        // Not the street that is left.
+        let mut far = 2.0 * SLACK;
+        while far < reach {
+            let room = self.at(from + direction * far).sqrt();
+            if room < SLACK && far > 4.0 * SLACK {
+                break;
+            }
+            far += room.max(0.5 * STEP);
+        }
+        far.min(reach)
+    }
+
+    /// Where [`at`](Self::at) is more than this, no obstacle is nearer than `distance`.
+    pub fn most(distance: f64) -> f64 {
+        (distance + SLACK) * (distance + SLACK)
+    }
+
+    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance`, no more than what was to be asked, or
     /// the place is outside.
     pub fn least(distance: f64) -> f64 {
         let least = (distance - SLACK).max(0.0);

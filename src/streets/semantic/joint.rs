@@ -1,6 +1,7 @@
 //! Where a proposal meets the graph, and how far everything else is from there along the network.
 
-use super::canvas::{Canvas, NONE, Near, Seg, nearest};
+use super::canvas::Canvas;
+use super::near::{NONE, Near, Seg, nearest};
 use super::proposal::{Join, Limits};
 use crate::network::{EdgeIx, VertexIx};
 use crate::patch::STREET_FLOOR;

@@ -7,6 +7,7 @@ mod checker;
 mod free;
 mod growth;
 mod joint;
+mod near;
 mod output;
 mod patches;
 mod pattern;
@@ -16,6 +17,7 @@ mod proposal;
 mod repair;
 #[cfg(test)]
 mod sample;
+mod squares;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -27,9 +29,10 @@ use crate::network::VertexIx;
 use crate::space::{Bounds, Stream, math};
 use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
-use canvas::{Canvas, Near};
+use canvas::Canvas;
 use checker::Checker;
 use glam::DVec2;
+use near::{Near, Seg};
 use pinned::Laid;
 use proposal::{Join, Limits, Proposal};
 use std::collections::VecDeque;
@@ -130,7 +133,7 @@ impl<'a> Work<'a> {
             max_degree: limits.max_degree.max(4),
             min_round: 2.6 * local.length,
         };
-        let cap = limits.gap + 6.0;
+        let asked = place::coarse_gap(&limits);
         let (straightness, bending, crossings, field_pull, stump) = match brief.style.main.field {
             FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1),
             FieldKind::Radial => (0.88, 0.2, 0.4, 0.75, 0.9),
@@ -139,7 +142,7 @@ impl<'a> Work<'a> {
         };
         Self {
             brief,
-            canvas: Canvas::new(brief, cap),
+            canvas: Canvas::new(brief, asked),
             checker: Checker::default(),
             rng: brief.seed.stream("streets", &[brief.id.0]),
             queue: VecDeque::new(),
@@ -211,6 +214,16 @@ impl<'a> Work<'a> {
     /// Collects the obstacles around a point.
     fn gather(&mut self, at: DVec2, reach: f64) {
         self.canvas.gather(Bounds::of([at]), reach, &mut self.near);
+    }
+
+    /// First obstacle within what was gathered that the segment `from`-`to` meets, as [`Canvas::ray`].
+    fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Seg, f64, DVec2)> {
+        if self.near.segs.is_empty() {
+            // Only dead ends were.
+            self.canvas.ray(from, to, leaving, self.near.within)
+        } else {
+            self.near.ray(from, to, leaving)
+        }
     }
 
     /// Builds the proposal if it keeps to `limits` towards what is in `near`.

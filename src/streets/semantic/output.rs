@@ -27,15 +27,26 @@ impl Work<'_> {
         };
         // A street that comes back to where it began is divided at its middle, so that its ends differ.
         let mut divided = vec![false; g.vertex_count()];
-        for chain in g.chains(|v| self.canvas.is_end(v)) {
-            let vertices = g.chain_vertices(&chain);
-            if vertices.first() == vertices.last() {
+        let mut chains = g.chains(|v| self.canvas.is_end(v));
+        let mut any = false;
+        for chain in &chains {
+            let end = |(e, forward): (EdgeIx, bool), last: bool| {
+                let edge = g.edge(e);
+                if forward == last { edge.b } else { edge.a }
+            };
+            let (Some(&first), Some(&last)) = (chain.first(), chain.last()) else { continue };
+            if end(first, false) == end(last, true) {
+                let vertices = g.chain_vertices(chain);
                 divided[vertices[vertices.len() / 2] as usize] = true;
                 divided[vertices[0] as usize] = true;
+                any = true;
             }
         }
         let is_end = |v: VertexIx| self.canvas.is_end(v) || divided[v as usize];
-        for chain in g.chains(is_end) {
+        if any {
+            chains = g.chains(is_end);
+        }
+        for chain in chains {
             let vertices = g.chain_vertices(&chain);
             let line: Vec<DVec2> = vertices.iter().map(|v| g.at(*v)).collect();
             let (from, to) = (name(vertices[0]), name(vertices[vertices.len() - 1]));

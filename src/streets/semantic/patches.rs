@@ -1,12 +1,15 @@
 //! The choice of patches: breadth-first between two vertices, depth-first from one (Teng 2017, algorithms 2 and 3).
 
 use super::Work;
-use super::canvas::nearest;
+use super::near::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
 use crate::patch::{Connectable, LEAST_ARM, Patch, STRETCH};
-use crate::space::math::{rotate, turn};
+use crate::space::{
+    Bounds,
+    math::{rotate, turn},
+};
 use crate::streets::{CellBrief, MadeBy};
 use glam::DVec2;
 
@@ -16,11 +19,12 @@ const TARGETS: usize = 4;
 /// Least length of a patch whose arms are led on, as a share of the distance to bridge.
 const LEAST_CORE: f64 = 0.3;
 
-/// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
 /// What a loose end more that a placement meets adds to its rating, as a share.
 const MET: f64 = 0.5;
 
+/// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
 const CHECKED: usize = 14;
+
 const RATED: usize = 3;
 
 /// Placements of one patch that are checked exactly.
@@ -56,8 +60,9 @@ impl Work<'_> {
         if largest == 0.0 {
             return false;
         }
-        self.gather(at, 2.0 * largest * (1.0 + STRETCH) + self.limits.gap);
-        let ahead = self.near.ray(at, at + direction * 400.0, v).map_or(400.0, |h| h.1 * 400.0);
+        let reach = 2.0 * largest * (1.0 + STRETCH) + self.limits.gap;
+        self.canvas.gather_tips(Bounds::of([at]), reach, &mut self.near);
+        let ahead = self.ray(at, at + direction * 400.0, v).map_or(400.0, |h| h.1 * 400.0);
         if ahead < self.limits.min_piece {
             return false;
         }
@@ -96,7 +101,7 @@ impl Work<'_> {
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let in_sight = |(_, w): &(f64, VertexIx)| {
             let p = self.canvas.graph.at(*w);
-            self.near.ray(at, p, v).is_none_or(|(i, _, _)| self.near.segs[i].ends_at(*w))
+            self.ray(at, p, v).is_none_or(|(s, _, _)| s.ends_at(*w))
         };
         let targets: Vec<(f64, VertexIx)> = targets.into_iter().filter(in_sight).take(TARGETS).collect();
         let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
@@ -235,29 +240,39 @@ impl Work<'_> {
         let patches = self.brief.patches;
         let variation = 0.5 * self.brief.style.local.angle_deviation_deg.to_radians();
         let ways = [0.0, -0.5, 0.5, -1.0, 1.0].map(|share| rotate(direction, share * variation));
-        let mut order: Vec<(f64, usize)> = Vec::new();
+        // The best last; of two alike the first. As whole numbers they are in order in a quarter of the time.
+        let mut order: Vec<u64> = Vec::with_capacity(self.used.len());
         for patch in 0..self.used.len() {
             let weight = self.weight(patch);
             if weight > 0.0 {
-                order.push((weight * self.rng.range(0.5, 1.5), patch));
+                let key = (weight * self.rng.range(0.5, 1.5)) as f32;
+                order.push(u64::from(key.to_bits()) << 32 | u64::from(!(patch as u32)));
             }
         }
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.sort_unstable();
         let mut best: Option<(f64, usize)> = None;
         let mut found = Proposal::default();
         let (mut checked, mut rated) = (0, 0);
-        for (key, patch) in order {
+        for entry in order.into_iter().rev() {
+            let (key, patch) = (f64::from(f32::from_bits((entry >> 32) as u32)), !(entry as u32) as usize);
             let p = &patches.patches[patch];
+            let views = &patches.facts(patch).views;
             let n = 2 * p.connectables.len();
             let first = self.rng.index(n * ways.len());
             let mut tried = 0;
-            for k in first..first + n {
-                let c = &p.connectables[k % n / 2];
-                let start = (patch, c.vertex, p.vertices[c.vertex]);
-                let placement = Placement::new(start, c.inward, k % 2 == 1, at, ways[k % ways.len()]);
-                if !self.roughly_fits(&placement, at, None) {
+            // Ends, each as drawn and mirrored, and directions in turn.
+            let (mut slot, mut turn) = (first % n, first % ways.len());
+            for _ in 0..n {
+                let (end, mirrored, way) = (slot / 2, slot % 2 == 1, ways[turn]);
+                (slot, turn) = (slot + 1, turn + 1);
+                slot = if slot == n { 0 } else { slot };
+                turn = if turn == ways.len() { 0 } else { turn };
+                if !self.view_roughly_fits(&views[end], at, way, mirrored) {
                     continue;
                 }
+                let c = &p.connectables[end];
+                let start = (patch, c.vertex, p.vertices[c.vertex]);
+                let placement = Placement::new(start, c.inward, mirrored, at, way);
                 (checked, tried) = (checked + 1, tried + 1);
                 if let Some(rating) = self.rate_patch(&placement, &[(c.vertex, v)]) {
                     rated += 1;
@@ -282,9 +297,14 @@ impl Work<'_> {
         true
     }
 
+    /// What is nearer than this to a street of a patch counts in its rating, in metres.
+    pub(super) fn nearby(&self) -> f64 {
+        1.5 * self.brief.style.local.snap_radius.max(self.limits.gap)
+    }
+
     /// Rating of the proposal by the three heuristics of Teng 2017, section 3.3, and for the streets that it connects.
     pub(super) fn rate(&self) -> f64 {
-        let nearby = 1.5 * self.brief.style.local.snap_radius.max(self.limits.gap);
+        let nearby = self.nearby();
         let p = &self.proposal;
         let mut rating: f64 = 1.0;
         for (i, at) in p.points.iter().enumerate() {

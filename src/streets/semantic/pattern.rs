@@ -221,8 +221,7 @@ impl Work<'_> {
                 continue;
             }
             let ends = self.near.segs.iter().flat_map(|s| [(s.va, s.a), (s.vb, s.b)]);
-            let same =
-                ends.filter(|(v, q)| *v != super::canvas::NONE && q.distance(p.points[i]) < SAME).map(|(v, _)| v);
+            let same = ends.filter(|(v, q)| *v != super::near::NONE && q.distance(p.points[i]) < SAME).map(|(v, _)| v);
             if let Some(v) = same.min() {
                 p.joins[i] = Join::At(v);
                 p.points[i] = g.at(v);
@@ -271,10 +270,10 @@ impl Work<'_> {
             let stubs = [i, k].map(|port| self.canvas.graph.edges_at(port as VertexIx)[0]);
             let line = (ports[i].at, ports[k].at);
             self.gather((line.0 + line.1) / 2.0, line.0.distance(line.1) / 2.0 + 10.0);
-            let clear = |s: &super::canvas::Seg| {
+            let clear = |s: &super::near::Seg| {
                 stubs.contains(&s.edge)
                     || (s.is_wall()
-                        && [line.0, line.1].iter().any(|p| super::canvas::nearest(*p, s.a, s.b).distance(*p) < 0.01))
+                        && [line.0, line.1].iter().any(|p| super::near::nearest(*p, s.a, s.b).distance(*p) < 0.01))
                     || crate::space::segment_crossing(line.0, line.1, s.a, s.b).is_none()
             };
             if self.near.segs.iter().all(clear) && self.row_between(element, (i, k), times) {

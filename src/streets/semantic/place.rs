@@ -3,13 +3,13 @@
 
 use super::Work;
 use super::bend::Bend;
-use super::canvas::{NONE, Seg, nearest};
 use super::checker::WEDGE;
 use super::free::FreeGrid;
 use super::joint::joint_angle_fits;
+use super::near::{NONE, nearest};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
+use crate::patch::{LEAST_ARM, PatchView, STREET_FLOOR, keeps_rules};
 use crate::space::{Bounds, point_at, segment_crossing};
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -82,8 +82,7 @@ impl Placement {
 impl Work<'_> {
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
     pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        // A little less than the gap: near the vertices it joins the distance along the network decides.
-        let enough = FreeGrid::least(self.limits.gap.min(self.limits.wall_gap) - 1.0);
+        let enough = FreeGrid::least(coarse_gap(&self.limits));
         self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
             let p = placement.map(*p);
             let room = self.canvas.free.at(p);
@@ -94,19 +93,23 @@ impl Work<'_> {
         })
     }
 
-    /// Narrows the obstacles down to those that matter to a placement; [`unfocus`](Self::unfocus) takes that back.
-    fn focus(&mut self, placement: &Placement) {
-        let patch = &self.brief.patches.patches[placement.patch];
-        // Arms are led on by this much at most, and keep their gap there.
-        let gap = self.limits.gap.max(self.limits.wall_gap);
-        let reach = gap.max(self.brief.style.local.snap_radius) + gap + 5.0;
-        let bounds = Bounds::of(patch.vertices.iter().map(|p| placement.map(*p))).grown(reach);
+    /// The same for a patch whose `view` from one of its ends is laid at `start` in the direction `way` (of length 1).
+    pub(super) fn view_roughly_fits(&self, view: &PatchView, start: DVec2, way: DVec2, mirrored: bool) -> bool {
+        let enough = FreeGrid::least(coarse_gap(&self.limits));
+        let (start, way) = (self.canvas.free.in_squares(start), FreeGrid::step_in_squares(way));
+        let across = if mirrored { -way.perp() } else { way.perp() };
+        view.samples.iter().all(|(p, away)| {
+            let room = self.canvas.free.at_square(start + way * p.x + across * p.y);
+            room >= enough || room >= FreeGrid::least(WEDGE * away)
+        })
+    }
+
+    /// Collects the obstacles that matter to the proposal; [`unfocus`](Self::unfocus) takes that back.
+    fn focus(&mut self) {
+        let reach = self.limits.gap.max(self.limits.wall_gap).max(self.nearby()).max(30.0) + 1.0;
+        let bounds = Bounds::of(self.proposal.points.iter().copied()).grown(reach);
         std::mem::swap(&mut self.near, &mut self.around);
-        self.near.segs.clear();
-        self.near.origin = self.around.origin;
-        let reach = self.near.reach(bounds.min, bounds.max);
-        let matters = |s: &&Seg| s.hull.overlaps(reach);
-        self.near.segs.extend(self.around.segs.iter().filter(matters));
+        self.canvas.gather_segs(bounds, &mut self.near);
         self.near.tips.clear();
         self.near.tips.extend(self.around.tips.iter().filter(|t| bounds.contains(t.at)));
     }
@@ -118,9 +121,11 @@ impl Work<'_> {
 
     /// Makes the placement the proposal, as [`propose_patch`](Self::propose_patch) does, if it may be built; its rating.
     pub(super) fn rate_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> Option<f64> {
-        self.focus(placement);
-        let fits = self.propose_patch(placement, anchors)
-            && self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
+        if !self.propose_patch(placement, anchors) {
+            return None;
+        }
+        self.focus();
+        let fits = self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
         let rating = fits.then(|| self.rate());
         self.unfocus();
         rating
@@ -128,9 +133,11 @@ impl Work<'_> {
 
     /// Builds the placement if it fits.
     pub(super) fn build_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
-        self.focus(placement);
-        let made_by = MadeBy::Patch(placement.patch as u32);
-        let fits = self.propose_patch(placement, anchors) && self.build_if_fits(&self.limits.clone(), made_by);
+        if !self.propose_patch(placement, anchors) {
+            return false;
+        }
+        self.focus();
+        let fits = self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32));
         self.unfocus();
         fits
     }
@@ -220,21 +227,25 @@ impl Work<'_> {
             let length = from.distance(to);
             let direction = (to - from) / length.max(1e-9);
             let last = k + 2 == line.len();
+            // Most of a street lies in the open.
+            if !last && self.canvas.is_clear(from, length) {
+                before += length;
+                continue;
+            }
             // What lies less far ahead than the gap must be met or kept away from.
             let reach = length + if last { snap.max(limits.gap) } else { 0.0 };
             let leaving = if k == 0 { leaving } else { NONE };
-            let hit = self.near.ray(from, from + direction * reach, leaving);
+            let hit = self.ray(from, from + direction * reach, leaving);
             let ahead = hit.map_or(reach, |h| h.1 * reach);
             if last && let Some((v, p)) = self.facing_end(from, direction, length, ahead, leaving) {
                 line.truncate(k + 1);
                 line.push(p);
                 return Some(Join::At(v));
             }
-            let Some((i, _, at)) = hit else {
+            let Some((s, _, at)) = hit else {
                 before += length;
                 continue;
             };
-            let s = self.near.segs[i];
             if s.is_wall() {
                 let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
                 let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
@@ -278,7 +289,9 @@ impl Work<'_> {
             }
             let far = from.distance(p);
             let faces = tip.lead.dot(from - p) >= 0.7 * far;
-            if along >= self.straightness * far && faces && best.is_none_or(|b| off < b.2) {
+            let first = |w: VertexIx| self.canvas.graph.edges_at(w).first().copied();
+            let better = |b: (VertexIx, DVec2, f64)| off < b.2 || (off == b.2 && first(tip.v) < first(b.0));
+            if along >= self.straightness * far && faces && best.is_none_or(better) {
                 best = Some((tip.v, p, off));
             }
         }
@@ -323,6 +336,12 @@ impl Work<'_> {
         }
         true
     }
+}
+
+/// The distance that the coarse grid is asked for: a little less than the gap, since near the vertices that are joined the
+/// distance along the network decides.
+pub(super) fn coarse_gap(limits: &Limits) -> f64 {
+    limits.gap.min(limits.wall_gap) - 1.0
 }
 
 /// Shortens a line to its first `length` metres.

@@ -1,7 +1,7 @@
 //! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
 
 use super::Work;
-use super::canvas::{NONE, Seg};
+use super::near::{NONE, Seg};
 use super::proposal::{Join, Limits};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
@@ -16,6 +16,9 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Connections that are checked exactly for one dead end or one block.
 const TRIES: usize = 10;
+
+/// Streets across a block of which it is found where they end.
+const LOOKED_AT: usize = 2 * TRIES;
 
 /// A street that would mend something, and what it costs.
 struct Mend {
@@ -93,7 +96,7 @@ impl Work<'_> {
                 mends.push(Mend::straight(cost, at, end, Join::At(v), last));
             }
         }
-        let ahead = self.near.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
+        let ahead = self.ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
         for share in [34.0, 52.0, 75.0] {
             if share > ahead - 18.0 {
                 break;
@@ -186,7 +189,12 @@ impl Work<'_> {
 
     /// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
     fn off_field(&self, from: DVec2, end: DVec2) -> f64 {
-        let off = angle_of(end - from) - self.brief.field.angle((from + end) / 2.0);
+        self.heading_off_field(angle_of(end - from), (from + end) / 2.0)
+    }
+
+    /// The same for a street around the place `at` that heads at this angle.
+    fn heading_off_field(&self, heading: f64, at: DVec2) -> f64 {
+        let off = heading - self.brief.field.angle(at);
         let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
         1.0 + 2.5 * self.field_pull * off.abs()
     }
@@ -256,12 +264,9 @@ impl Work<'_> {
         let mut added = 0;
         let blocks = self.blocks();
         // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.
-        let edges = blocks.iter().flat_map(|(_, edges)| edges.iter().flatten());
-        let mut sides: Vec<u8> = Vec::new();
-        for &e in edges {
-            let e = e as usize;
-            sides.resize(sides.len().max(e + 1), 0);
-            sides[e] = sides[e].saturating_add(1);
+        let mut sides: Vec<u8> = vec![0; self.canvas.graph.edge_count()];
+        for &e in blocks.iter().flat_map(|(_, edges)| edges.iter().flatten()) {
+            sides[e as usize] = sides[e as usize].saturating_add(1);
         }
         for (face, edges) in blocks {
             if face.area() > most && self.divide(&face, &edges, &sides) {
@@ -281,7 +286,7 @@ impl Work<'_> {
         let reach = bounds.size().length();
         // A street across the block can only meet what is around it and in it first.
         std::mem::swap(&mut self.near, &mut self.around);
-        self.near.origin = self.around.origin;
+        (self.near.origin, self.near.within) = (self.around.origin, self.around.within);
         self.near.segs.clear();
         self.near.tips.clone_from(&self.around.tips);
         let is_met = |s: &&Seg| {
@@ -290,46 +295,64 @@ impl Work<'_> {
         self.near.segs.extend(self.around.segs.iter().filter(is_met));
         let mut mends: Vec<Mend> = Vec::new();
         let mut line = Vec::new();
+        // About what it costs, where it begins, in which direction, square to the street, the angle to that, the street.
+        let mut starts: Vec<(f64, DVec2, DVec2, f64, EdgeIx)> = Vec::new();
         for (i, edge) in edges.iter().enumerate() {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
             let inward = (b - a).perp().normalize_or_zero();
+            let heading = angle_of(inward);
+            let angles = [0.0, 0.3, -0.3];
+            let directions = angles.map(|angle| rotate(inward, angle));
             let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-                let start = from + inward * 0.5;
-                for angle in [0.0, 0.3, -0.3] {
-                    let direction = rotate(inward, angle);
-                    if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line) {
-                        if last == Join::On(edge) {
-                            continue;
-                        }
-                        let off = ((from + end) / 2.0).distance(middle);
-                        let cost = distance * (1.0 + 0.5 * angle.abs()) + 1.5 * off;
-                        mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
-                    }
+                for (angle, direction) in angles.into_iter().zip(directions) {
+                    let far = self.canvas.free.ahead(from, direction, reach);
+                    let end = from + direction * far;
+                    let distance = far * self.heading_off_field(heading + angle, from.midpoint(end));
+                    starts.push((self.cost_across(from, end, distance, angle, middle), from, inward, angle, edge));
                 }
+            }
+        }
+        // The coarse grid tells about where a street would end; only the best of these are looked at, in their order here.
+        let mut best: Vec<usize> = (0..starts.len()).collect();
+        best.sort_by(|x, y| starts[*x].0.total_cmp(&starts[*y].0));
+        best.truncate(LOOKED_AT);
+        best.sort_unstable();
+        for (_, from, inward, angle, edge) in best.into_iter().map(|i| starts[i]) {
+            let (start, direction) = (from + inward * 0.5, rotate(inward, angle));
+            if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line)
+                && last != Join::On(edge)
+            {
+                let cost = self.cost_across(from, end, distance, angle, middle);
+                mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
             }
         }
         self.unfocus();
         self.build_best(mends, &limits, TRIES)
     }
 
+    /// What a street across a block costs, of this length and at this angle to square; the more the farther from its middle.
+    fn cost_across(&self, from: DVec2, end: DVec2, distance: f64, angle: f64, middle: DVec2) -> f64 {
+        distance * (1.0 + 0.5 * angle.abs()) + 1.5 * ((from + end) / 2.0).distance(middle)
+    }
+
     /// Faces between local streets and the border, each with the local edge of every step of its walk.
     fn blocks(&self) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
+        let local = &self.canvas.graph;
         let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
+        // Local streets keep their vertices, but ports in one place, at both sides of a main street, are one there.
         let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
+        for v in local.vertices() {
+            graph.add_vertex(local.at(v));
+        }
+        let place = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+        for port in (0..self.brief.ports.len() as VertexIx).rev() {
+            places.insert(place(local.at(port)), port);
+        }
+        // A main street that is walked on both sides is there once.
         let mut known: BTreeSet<(VertexIx, VertexIx)> = BTreeSet::new();
-        let mut add = |graph: &mut PlanarGraph<Option<EdgeIx>>, a: DVec2, b: DVec2, edge: Option<EdgeIx>| {
-            let mut place = |p: DVec2| {
-                let p = crate::space::quantize(p);
-                *places.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| graph.add_vertex(p))
-            };
-            let (a, b) = (place(a), place(b));
-            if a != b && known.insert((a.min(b), a.max(b))) {
-                graph.add_edge(a, b, edge);
-            }
-        };
         for (a, b) in self.canvas.wall_lines() {
             // Divided at the ports that lie on it.
             let mut cuts: Vec<(f64, DVec2)> = vec![(0.0, a), (1.0, b)];
@@ -342,11 +365,21 @@ impl Work<'_> {
             }
             cuts.sort_by(|x, y| x.0.total_cmp(&y.0));
             for pair in cuts.windows(2) {
-                add(&mut graph, pair[0].1, pair[1].1, None);
+                let [a, b] = [pair[0].1, pair[1].1].map(|p| {
+                    let p = crate::space::quantize(p);
+                    *places.entry(place(p)).or_insert_with(|| graph.add_vertex(p))
+                });
+                if a != b && known.insert((a.min(b), a.max(b))) {
+                    graph.add_edge(a, b, None);
+                }
             }
         }
-        for (e, edge) in self.canvas.graph.edges() {
-            add(&mut graph, self.canvas.graph.at(edge.a), self.canvas.graph.at(edge.b), Some(e));
+        let shared = |v: VertexIx| {
+            let port = (v as usize) < self.brief.ports.len();
+            port.then(|| places.get(&place(local.at(v))).copied()).flatten().unwrap_or(v)
+        };
+        for (e, edge) in local.edges() {
+            graph.add_edge(shared(edge.a), shared(edge.b), Some(e));
         }
         let faces = graph.faces().into_iter().filter(|f| f.area() > 0.0);
         faces

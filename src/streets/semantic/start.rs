@@ -36,9 +36,7 @@ impl Work<'_> {
                 self.queue.push_back(end);
             }
         }
-        for port in self.brief.ports {
-            self.canvas.free.stamp(port.at, port.at + port.inward * STUB_LENGTH);
-        }
+        self.canvas.stamp_stubs(self.brief.ports);
     }
 
     /// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` for
