@@ -21,9 +21,11 @@ use std::collections::BTreeMap;
 const PARTS: i64 = 60;
 /// Edge length of a tile, in steps of the lattice.
 pub(super) const TILE_STEPS: i64 = 8;
-/// How far around its tile a graph reads courses, in steps: an edge reaches two steps out of the tile, and so does each
-/// edge that crosses it there.
-const PADDING_STEPS: i64 = 5;
+/// How far around its tile a graph reads courses, in steps: an edge with a point in the tile reaches no further than two out of
+/// it, and each edge that crosses it does so there.
+const PADDING_STEPS: i64 = 2;
+/// Added to that in metres: gates lie between the nodes of the lattice, and far out their places in the plan are rounded.
+const PADDING_MORE: f64 = 1.0;
 
 /// Name of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -219,7 +221,7 @@ pub(super) fn graph(work: &Work, tile: I64Vec2, cancel: &Cancel) -> Result<Graph
     let step = work.settings.step;
     let corner = tile * TILE_STEPS;
     let own = tile_bounds(tile, step);
-    let padding = (PADDING_STEPS * step) as f64;
+    let padding = (PADDING_STEPS * step) as f64 + PADDING_MORE;
     let read = Reach::new("roads", own, padding).check(own.grown(padding))?;
     let mut edges: BTreeMap<(i8, [i64; 2], usize), Rank> = BTreeMap::new();
     // Nodes where a bridge or tunnel begins or ends: others along the same line touch ground there too.

@@ -14,7 +14,7 @@
 //!    heading over a `field` of costs, with bridges and tunnels as edges, around discs of the settlements that it does not
 //!    serve, or where these leave no way, around their outlines. Courses of lower classes read those of higher
 //!    classes in their window, never of their own, so no order among equals matters.
-//! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 5 steps around the tile.
+//! 4. `graph`: all courses as a planar graph, in tiles of 8 steps. Reads courses 2 steps around the tile.
 //! 5. `merge`: stretches that run beside each other become one, forks at sharp angles move outward. Reads graphs and
 //!    outlines about 2 km around the tile with the default settings. After it, in tiles of its own, lesser roads meet better
 //!    ones at blunter angles and cross them at one place; this reads merged graphs and outlines about 1 km around.
