@@ -139,6 +139,27 @@ impl Net {
         self.nodes[to].at - self.nodes[from].at
     }
 
+    /// Whether ways that are `let_on`, by their index and the vertex they lead to, join two vertices over at most `most` metres.
+    pub fn joins(&self, [from, to]: [usize; 2], most: f64, let_on: impl Fn(usize, usize) -> bool) -> bool {
+        let mut way: BTreeMap<usize, f64> = BTreeMap::from([(from, 0.0)]);
+        let mut open = vec![from];
+        while let Some(at) = open.pop() {
+            if at == to {
+                return true;
+            }
+            for e in &self.nodes[at].ways {
+                let next = self.far(*e, at);
+                let there = way[&at] + self.apart(at, next);
+                let shorter = way.get(&next).is_none_or(|w| there < *w);
+                if shorter && there <= most && let_on(*e, next) {
+                    way.insert(next, there);
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
     /// Distance of two vertices.
     pub fn apart(&self, a: usize, b: usize) -> f64 {
         self.step(a, b).length()

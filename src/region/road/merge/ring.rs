@@ -4,7 +4,6 @@ use super::super::RoadSettings;
 use super::connect::parts;
 use super::feet::Feet;
 use crate::space::math::angle_between;
-use std::collections::BTreeMap;
 
 /// Angle in radians between the two ways of a vertex below which a road comes back to where it was.
 const BACK: f64 = 1.75;
@@ -60,23 +59,8 @@ impl Feet<'_> {
     }
 
     /// Whether ways better than two others join two vertices over at most `most` metres.
-    fn are_joined(&self, [from, to]: [usize; 2], than: [usize; 2], most: f64) -> bool {
+    fn are_joined(&self, ends: [usize; 2], than: [usize; 2], most: f64) -> bool {
         let net = self.net();
-        let mut way: BTreeMap<usize, f64> = BTreeMap::from([(from, 0.0)]);
-        let mut open = vec![from];
-        while let Some(at) = open.pop() {
-            if at == to {
-                return true;
-            }
-            for e in net.nodes[at].ways.iter().filter(|e| self.is_plain(**e)) {
-                let (next, there) = (net.far(*e, at), way[&at] + net.apart(at, net.far(*e, at)));
-                let better = than.iter().all(|t| net.edges[*e].rank < net.edges[*t].rank);
-                if better && there <= most && way.get(&next).is_none_or(|w| there < *w) {
-                    way.insert(next, there);
-                    open.push(next);
-                }
-            }
-        }
-        false
+        net.joins(ends, most, |e, _| self.is_plain(e) && than.iter().all(|t| net.edges[e].rank < net.edges[*t].rank))
     }
 }

@@ -10,7 +10,6 @@ use crate::network::StreetClass;
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, polygon_distance, segment_distance};
 use glam::DVec2;
-use std::collections::BTreeMap;
 
 /// Ways that part at a smaller angle, in radians, part further out.
 pub(super) const SHARP: f64 = 0.55;
@@ -243,23 +242,10 @@ impl<'a> Rules<'a> {
     fn is_joined(&self, edge: usize, [from, to]: [usize; 2]) -> bool {
         let limit = longest_rung(&self.work.settings);
         let most = 2.0 * self.net.apart(self.net.edges[edge].ends[0], self.net.edges[edge].ends[1]) + limit;
-        let mut way: BTreeMap<usize, f64> = BTreeMap::from([(from, 0.0)]);
-        let mut open = vec![from];
-        while let Some(at) = open.pop() {
-            if at == to {
-                return true;
-            }
-            for e in &self.net.nodes[at].ways {
-                let (next, there) = (self.net.far(*e, at), way[&at] + self.net.apart(at, self.net.far(*e, at)));
-                let better = self.net.edges[*e].rank < self.net.edges[edge].rank && !self.net.edges[*e].fixed;
-                let shorter = way.get(&next).is_none_or(|w| there < *w);
-                if better && shorter && there <= most && self.net.off(next, edge) <= limit {
-                    way.insert(next, there);
-                    open.push(next);
-                }
-            }
-        }
-        false
+        self.net.joins([from, to], most, |e, next| {
+            let better = self.net.edges[e].rank < self.net.edges[edge].rank && !self.net.edges[e].fixed;
+            better && self.net.off(next, edge) <= limit
+        })
     }
 
     /// Whether a vertex has lost ways to its rung but keeps others.
