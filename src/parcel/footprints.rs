@@ -12,6 +12,10 @@ const MIN_AREA: f64 = 35.0;
 /// Least distance (metres) from a building to the border of its lot, more than rounding can eat.
 const CLEARANCE: f64 = 0.02;
 
+/// Least width of a wing behind a row house, and what it leaves free at the back of the lot, in metres.
+const WING: f64 = 5.0;
+const YARD: f64 = 3.5;
+
 /// Buildings closer than this (metres) to the sides of their lots count as a closed row.
 const ROW: f64 = 0.6;
 
@@ -27,7 +31,7 @@ pub(super) fn footprint(lot: &LotShape, rules: &ParcelRules, rng: &mut Stream) -
     }
     let depth = (rules.building_depth * rng.range(0.82, 1.0)).max(4.0);
     let plan = if rules.setback_side < ROW {
-        row_house(&room, front, lot, depth)
+        row_house(&room, front, lot, depth, rules.wings, rng)
     } else {
         let u = -front.normal.perp();
         let to_front = |p: &DVec2| DVec2::new((*p - front.at).dot(u), front.depth(*p));
@@ -40,8 +44,8 @@ pub(super) fn footprint(lot: &LotShape, rules: &ParcelRules, rng: &mut Stream) -
     (signed_area(&plan) >= MIN_AREA && size.min_element() >= 4.0).then_some(plan)
 }
 
-/// A building from side to side of the lot, along both streets at a corner.
-fn row_house(room: &[DVec2], front: Half, lot: &LotShape, depth: f64) -> Vec<DVec2> {
+/// A building from side to side of the lot, along both streets at a corner; elsewhere a share of `wings` has one behind it.
+fn row_house(room: &[DVec2], front: Half, lot: &LotShape, depth: f64, wings: f64, rng: &mut Stream) -> Vec<DVec2> {
     let back = front.moved(depth);
     if let Some(i) = lot.corner {
         let beside = Half::left_of(lot.polygon[i], lot.polygon[(i + 1) % lot.polygon.len()]).moved(depth);
@@ -54,7 +58,27 @@ fn row_house(room: &[DVec2], front: Half, lot: &LotShape, depth: f64) -> Vec<DVe
             return room.to_vec();
         }
     }
-    clip(room, back.flipped())
+    let winged = if lot.corner.is_none() && rng.chance(wings) { with_wing(room, front, depth, rng) } else { None };
+    winged.unwrap_or_else(|| clip(room, back.flipped()))
+}
+
+/// A row house with a wing along one side of its yard, as far back as it likes; `None` where the yard is too small.
+fn with_wing(room: &[DVec2], front: Half, depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
+    let u = -front.normal.perp();
+    let deep = room.iter().map(|p| front.depth(*p)).fold(0.0, f64::max) - YARD;
+    let across = room.iter().map(|p| (*p - front.at).dot(u));
+    let (left, right) = across.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), x| (l.min(x), r.max(x)));
+    let width = rng.range(0.35, 0.5) * (right - left);
+    let reach = depth + (deep - depth) * rng.range(0.5, 1.0);
+    if width < WING || reach < depth + WING {
+        return None;
+    }
+    let beside = if rng.chance(0.5) {
+        Half { at: front.at + u * (left + width), normal: u }
+    } else {
+        Half { at: front.at + u * (right - width), normal: -u }
+    };
+    without_quadrant(&clip(room, front.moved(reach).flipped()), front.moved(depth), beside)
 }
 
 /// A free-standing house: a rectangle, sometimes an L. `room` has its x axis along the front, y into the lot.

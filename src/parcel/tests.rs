@@ -104,6 +104,7 @@ fn rules(rng: &mut Stream) -> ParcelRules {
         setback_front: if row { 0.0 } else { rng.range(1.0, 7.0) },
         setback_side: if row { 0.0 } else { rng.range(1.0, 3.0) },
         building_depth: rng.range(9.0, 16.0),
+        wings: 0.5,
         ..ParcelRules::default()
     }
 }

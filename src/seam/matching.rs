@@ -1,10 +1,11 @@
 //! Proposing ports on both sides of a main street, and matching them across it.
 
 use super::stub::{Hand, Kerb, Spot, has_room};
+use super::survey::{self, Mark};
 use crate::network::{JunctionId, StreetClass, StreetId};
 use crate::seam::{Port, Seam};
 use crate::space::{QUANTUM, Seed, line_length};
-use crate::town::{CellUse, FieldKind, Style, Town};
+use crate::town::{CellUse, MainCell, Style, Town};
 use glam::DVec2;
 
 /// Step of the search for a place where a proposal has room, in metres.
@@ -64,10 +65,13 @@ pub struct Across<'a> {
 /// crossing, and what stays alone is a T. Cells that got fewer than two ports then get more where there is room. Along a
 /// border each of the two towns proposes for its side from its own styles, and both find the same ports.
 pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) -> Vec<Seam> {
-    let own = Across { town, styles };
-    let brinks: Vec<Brink> = (0..town.mains.len()).map(|main| Brink::new(own, main, across)).collect();
-    let mut all: Vec<Vec<Attached>> = brinks.iter().map(|brink| seam(seed, brink)).collect();
-    supply_cells(own, &brinks, &mut all);
+    let towns: Vec<Surveyed> = std::iter::once((true, Across { town, styles }))
+        .chain(across.iter().map(|a| (false, *a)))
+        .map(|(own, of)| Surveyed::new(seed, of, own))
+        .collect();
+    let brinks: Vec<Brink> = (0..town.mains.len()).map(|main| Brink::new(&towns, main)).collect();
+    let mut all: Vec<Vec<Attached>> = brinks.iter().map(seam).collect();
+    supply_cells(towns[0].of, &brinks, &mut all);
     let port = |brink: &Brink, a: &Attached| {
         let [x, y] = (a.spot.at / QUANTUM).round().as_i64vec2().to_array().map(|v| v as u64);
         let junction = JunctionId::of(&[brink.street.0, 0x70, x, y]);
@@ -75,6 +79,32 @@ pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) 
     };
     let seam = |(brink, list): (&Brink, Vec<Attached>)| Seam { ports: list.iter().map(|a| port(brink, a)).collect() };
     brinks.iter().zip(all).map(seam).collect()
+}
+
+/// A town with the marks of each of its cells.
+struct Surveyed<'a> {
+    of: Across<'a>,
+    marks: Vec<Vec<Mark>>,
+}
+
+impl<'a> Surveyed<'a> {
+    /// Of a town across a border only the cells at borders are surveyed.
+    fn new(seed: Seed, of: Across<'a>, own: bool) -> Self {
+        let at_border =
+            |c: &MainCell| c.sides.iter().any(|s| s.main.is_some_and(|m| of.town.mains[m].border.is_some()));
+        let marks = of.town.cells.iter().zip(of.styles).map(|(cell, style)| {
+            let asked = cell.used_as == CellUse::Built && (own || at_border(cell));
+            if asked { survey::marks(seed, of.town, cell, style) } else { Vec::new() }
+        });
+        Self { of, marks: marks.collect() }
+    }
+
+    /// One side of a main street of the town; `shift` is what to add to a place of the seam to make it local to the town.
+    fn kerb(&self, main: usize, hand: Hand, shift: DVec2) -> Option<Kerb<'_>> {
+        let cell = hand.cell(&self.of.town.mains[main]);
+        let (style, marks) = (self.of.styles.get(cell)?, self.marks.get(cell)?);
+        Some(Kerb { town: self.of.town, style, marks, main, hand, shift })
+    }
 }
 
 /// A main street between its two sides. Along a border everything is local to the border, so that both towns find the same
@@ -92,42 +122,37 @@ struct Brink<'a> {
 }
 
 impl<'a> Brink<'a> {
-    fn new(own: Across<'a>, main: usize, across: &[Across<'a>]) -> Self {
-        let street = &own.town.mains[main];
+    /// Of the first of `towns`; the others share borders with it.
+    fn new(towns: &'a [Surveyed], main: usize) -> Self {
+        let own = &towns[0];
+        let street = &own.of.town.mains[main];
         let id = street.street.id;
-        let kerb = |of: &Across<'a>, main: usize, hand: Hand, shift: DVec2| {
-            let street = &of.town.mains[main];
-            let cell = match hand {
-                Hand::Left => street.left,
-                Hand::Right => street.right,
-            };
-            Some(Kerb { town: of.town, style: of.styles.get(cell)?, main, hand, shift })
-        };
         let Some(border) = &street.border else {
             return Self {
                 street: id,
                 line: street.street.line.clone(),
                 length: street.street.length(),
-                left: kerb(&own, main, Hand::Left, DVec2::ZERO),
-                right: kerb(&own, main, Hand::Right, DVec2::ZERO),
+                left: own.kerb(main, Hand::Left, DVec2::ZERO),
+                right: own.kerb(main, Hand::Right, DVec2::ZERO),
                 shift: DVec2::ZERO,
                 shared: false,
             };
         };
         let on = |hand: Hand| {
             let side = border.sides[usize::from(hand == Hand::Right)];
-            let of = std::iter::once(&own).chain(across).find(|a| a.town.settlement.id == side)?;
-            let main = of.town.mains.iter().position(|m| m.street.id == id)?;
-            kerb(of, main, hand, border.origin.offset_to(of.town.origin))
+            let there = towns.iter().find(|t| t.of.town.settlement.id == side)?;
+            let main = there.of.town.mains.iter().position(|m| m.street.id == id)?;
+            there.kerb(main, hand, border.origin.offset_to(there.of.town.origin))
         };
-        let line = street.street.moved(own.town.origin.offset_to(border.origin)).line;
+        let origin = own.of.town.origin;
+        let line = street.street.moved(origin.offset_to(border.origin)).line;
         Self {
             street: id,
             length: line_length(&line),
             line,
             left: on(Hand::Left),
             right: on(Hand::Right),
-            shift: border.origin.offset_to(own.town.origin),
+            shift: border.origin.offset_to(origin),
             shared: true,
         }
     }
@@ -138,8 +163,8 @@ impl<'a> Brink<'a> {
 }
 
 /// The ports of one street.
-fn seam(seed: Seed, brink: &Brink) -> Vec<Attached> {
-    let of = |kerb: &Option<Kerb>| kerb.as_ref().map_or(Vec::new(), |kerb| proposals(seed, brink, kerb));
+fn seam(brink: &Brink) -> Vec<Attached> {
+    let of = |kerb: &Option<Kerb>| kerb.as_ref().map_or(Vec::new(), |kerb| proposals(brink, kerb));
     let (left, right) = (of(&brink.left), of(&brink.right));
     let place = |list: &[(Spot, StreetClass)]| list.iter().map(|(s, c)| (s.along, *c)).collect::<Vec<_>>();
     // Where two styles meet, the middle of both.
@@ -182,26 +207,15 @@ fn sort(ports: &mut [Attached]) {
 }
 
 /// Proposals of one side, in order along the street, all with room for their stubs.
-fn proposals(seed: Seed, brink: &Brink, kerb: &Kerb) -> Vec<(Spot, StreetClass)> {
+fn proposals(brink: &Brink, kerb: &Kerb) -> Vec<(Spot, StreetClass)> {
     let (rules, hand) = (&kerb.style.seam, kerb.hand);
-    let mut stream = seed.stream("seam", &[brink.street.0, hand as u64]);
-    let usable = brink.length - 2.0 * rules.min_spacing;
-    if usable <= 0.0 {
-        return Vec::new();
-    }
-    let count = (usable / rules.spacing).round().max(1.0);
-    let step = usable / count;
-    // Where streets were surveyed, both sides of a street count alike; elsewhere each has its own rhythm.
-    let phase = if kerb.style.main.field == FieldKind::Organic { 0.3 * stream.signed() } else { 0.0 };
     let mut out: Vec<(Spot, StreetClass)> = Vec::new();
-    for i in 0..count as usize {
-        let even = rules.min_spacing + (i as f64 + 0.5 + phase) * step;
-        let along = even + rules.jitter * rules.spacing * stream.signed();
+    for mark in kerb.marks.iter().filter(|m| m.main == kerb.main && m.hand == hand) {
         let clear = |s: &Spot| {
             let last = out.last().is_none_or(|(o, _)| s.along >= o.along + rules.min_spacing && s.apart(o, hand));
             last && has_room(kerb, s)
         };
-        if let Some(spot) = settle(brink, along, 0.4 * step, clear) {
+        if let Some(spot) = settle(brink, mark.along, 0.4 * rules.spacing, clear) {
             out.push((spot, StreetClass::Local));
         }
     }

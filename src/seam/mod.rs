@@ -6,6 +6,7 @@
 mod cut;
 mod matching;
 mod stub;
+mod survey;
 #[cfg(test)]
 mod tests;
 

@@ -1,10 +1,11 @@
 //! Whether a port has room for its stub: the guarantee of [`CellPort`](crate::seam::CellPort), checked against the
 //! cell's border.
 
+use super::survey::Mark;
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{CellUse, MainCell, Style, Town};
+use crate::town::{CellUse, MainCell, MainStreet, Style, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
@@ -22,6 +23,16 @@ pub(super) enum Hand {
     Left,
     /// Right of it.
     Right,
+}
+
+impl Hand {
+    /// Index of the cell on this side of a main street.
+    pub fn cell(self, street: &MainStreet) -> usize {
+        match self {
+            Self::Left => street.left,
+            Self::Right => street.right,
+        }
+    }
 }
 
 /// A place on a main street where a port could be.
@@ -77,6 +88,8 @@ impl Spot {
 pub(super) struct Kerb<'a> {
     pub town: &'a Town,
     pub style: &'a Style,
+    /// The marks of its cell.
+    pub marks: &'a [Mark],
     /// Index of the street among the town's.
     pub main: usize,
     pub hand: Hand,
@@ -88,12 +101,8 @@ pub(super) struct Kerb<'a> {
 pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
     let (main, hand) = (kerb.main, kerb.hand);
     let street = &kerb.town.mains[main];
-    let cell = match hand {
-        Hand::Left => street.left,
-        Hand::Right => street.right,
-    };
     let open_to = |c: &&MainCell| c.used_as == CellUse::Built;
-    let Some(cell) = kerb.town.cells.get(cell).filter(open_to) else { return false };
+    let Some(cell) = kerb.town.cells.get(hand.cell(street)).filter(open_to) else { return false };
     let (from, inward) = (spot.at + kerb.shift, spot.inward(hand));
     let tip = from + inward * STUB_LENGTH;
     let reach = Bounds::of([from, tip]).grown(ROOM);

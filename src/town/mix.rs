@@ -75,6 +75,7 @@ impl Between<'_> {
             setback_front: self.number(a.setback_front, b.setback_front),
             setback_side: self.number(a.setback_side, b.setback_side),
             building_depth: self.number(a.building_depth, b.building_depth),
+            wings: self.number(a.wings, b.wings),
             storeys: self.counts(a.storeys, b.storeys),
             vacant: self.number(a.vacant, b.vacant),
             parks: self.number(a.parks, b.parks),

@@ -152,6 +152,8 @@ pub struct ParcelRules {
     pub setback_side: f64,
     /// Greatest depth of a building.
     pub building_depth: f64,
+    /// Share of the houses in closed rows that have a wing along one side of the yard behind them.
+    pub wings: f64,
     /// Least and greatest number of storeys; the centre has the most.
     pub storeys: (u32, u32),
     /// Share of lots that stay empty.
@@ -169,6 +171,7 @@ impl Default for ParcelRules {
             setback_front: 3.0,
             setback_side: 1.5,
             building_depth: 14.0,
+            wings: 0.0,
             storeys: (1, 4),
             vacant: 0.05,
             parks: 0.04,
@@ -314,6 +317,7 @@ impl Style {
             range("setback_front", p.setback_front, 0.0, 100.0)?;
             range("setback_side", p.setback_side, 0.0, 100.0)?;
             range("building_depth", p.building_depth, 4.0, 200.0)?;
+            range("wings", p.wings, 0.0, 1.0)?;
             order("storeys", (p.storeys.0.into(), p.storeys.1.into()), 1.0, 100.0)?;
             range("vacant", p.vacant, 0.0, 1.0)?;
             range("parks", p.parks, 0.0, 1.0)

@@ -4,6 +4,7 @@
 mod bend;
 mod canvas;
 mod checker;
+mod fairing;
 mod free;
 mod growth;
 mod joint;
@@ -53,6 +54,7 @@ impl CellFiller for SemanticPatches {
             cancel.check()?;
             work.propagate(cancel)?;
             work.repair(cancel)?;
+            work.make_fair();
             let cut_off = work.cut_off();
             if cut_off.is_empty() {
                 return Ok(CellStreets { unfit, ..work.finish() });
@@ -87,6 +89,8 @@ struct Work<'a> {
     field_pull: f64,
     /// Dead-end streets shorter than this that do not start at a port are removed.
     stump: f64,
+    /// Greatest distance of a street that is straightened from straight, in metres; 0 where streets may wind.
+    dogleg: f64,
     /// How often each patch was used.
     used: Vec<u32>,
     /// Weight of each patch in choices after these uses.
@@ -134,11 +138,11 @@ impl<'a> Work<'a> {
             min_round: 2.6 * local.length,
         };
         let asked = place::coarse_gap(&limits);
-        let (straightness, bending, crossings, field_pull, stump) = match brief.style.main.field {
-            FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1),
-            FieldKind::Radial => (0.88, 0.2, 0.4, 0.75, 0.9),
-            FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5),
-            FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8),
+        let (straightness, bending, crossings, field_pull, stump, dogleg) = match brief.style.main.field {
+            FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1, 16.0),
+            FieldKind::Radial => (0.88, 0.2, 0.4, 0.75, 0.9, 12.0),
+            FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5, 0.0),
+            FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8, 0.0),
         };
         Self {
             brief,
@@ -154,6 +158,7 @@ impl<'a> Work<'a> {
             crossings,
             field_pull,
             stump: stump * local.length,
+            dogleg,
             used: vec![0; brief.patches.patches.len()],
             weights: (0..brief.patches.patches.len()).map(|p| patches::weight(brief, p, 0)).collect(),
             laid: Vec::new(),

@@ -72,7 +72,7 @@ impl Work<'_> {
     }
 
     /// What made the greatest part of a chain.
-    fn maker(&self, chain: &[(EdgeIx, bool)]) -> MadeBy {
+    pub(super) fn maker(&self, chain: &[(EdgeIx, bool)]) -> MadeBy {
         let g = &self.canvas.graph;
         let mut shares: Vec<(MadeBy, f64)> = Vec::new();
         for (e, _) in chain {
