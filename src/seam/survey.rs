@@ -47,7 +47,7 @@ pub(super) fn marks(seed: Seed, town: &Town, cell: &MainCell, style: &Style) -> 
         };
         for along in new {
             out.push(Mark { main: side.main, hand: side.hand, along });
-            if surveyed && let Some(mark) = opposite(town, cell, side, along) {
+            if surveyed && let Some(mark) = opposite(town, cell, side.main, side.hand, along) {
                 let length = town.mains[mark.main].street.length();
                 let ends = rules.min_spacing..=length - rules.min_spacing;
                 let near = |m: &Mark| (m.along - mark.along).abs() < rules.min_spacing;
@@ -109,9 +109,9 @@ fn between(marks: &[f64], length: f64, rules: &SeamRules) -> Vec<f64> {
 }
 
 /// Where the line along the field from a place on one side of a cell meets another side squarely.
-fn opposite(town: &Town, cell: &MainCell, side: &Side, along: f64) -> Option<Mark> {
-    let (mut at, direction) = point_at(&town.mains[side.main].street.line, along);
-    let inward = match side.hand {
+pub(super) fn opposite(town: &Town, cell: &MainCell, main: usize, hand: Hand, along: f64) -> Option<Mark> {
+    let (mut at, direction) = point_at(&town.mains[main].street.line, along);
+    let inward = match hand {
         Hand::Left => direction.perp(),
         Hand::Right => -direction.perp(),
     };
@@ -121,9 +121,9 @@ fn opposite(town: &Town, cell: &MainCell, side: &Side, along: f64) -> Option<Mar
     }
     let n = cell.border.len();
     let others = || {
-        cell.sides.iter().filter(|s| !(s.main == Some(side.main) && s.forward == (side.hand == Hand::Left))).flat_map(
-            |s| (0..s.count).map(move |i| (s, i, cell.border[s.first + i], cell.border[(s.first + i + 1) % n])),
-        )
+        cell.sides.iter().filter(|s| !(s.main == Some(main) && s.forward == (hand == Hand::Left))).flat_map(|s| {
+            (0..s.count).map(move |i| (s, i, cell.border[s.first + i], cell.border[(s.first + i + 1) % n]))
+        })
     };
     for _ in 0..STEPS {
         let next = at + heading * STEP;

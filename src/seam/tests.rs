@@ -1,11 +1,12 @@
 //! What holds for the seams of every settlement. Distances are measured by brute force, on other ways than the ones
 //! that make the ports.
 
+use super::stub::Hand;
 use super::*;
 use crate::network::measure;
 use crate::space::{line_length, point_in_polygon, polygon_distance, segment_crossing, segment_distance, segments};
-use crate::town::sample::{Case, case};
-use crate::town::{CellUse, Town};
+use crate::town::sample::{Case, case, case_of};
+use crate::town::{CellUse, FieldKind, Town};
 use std::collections::BTreeSet;
 
 /// Distance of `a`-`b` from the sides of a cell that do not run along `main`, or that are the other side of it.
@@ -118,4 +119,39 @@ fn every_port_has_the_room_that_is_promised() {
         (poor, cells) = (poor + few, cells + of);
     }
     assert!(poor * 5 < cells, "{poor} of {cells} cells have fewer than two ports");
+}
+
+/// Ports of the cells of towns on a grid whose line along the field meets another side squarely, away from its ends, and how
+/// many of these have a port there, with the ports of `kind`.
+fn facing(kind: FieldKind) -> (usize, usize) {
+    let (mut facing, mut all) = (0, 0);
+    for number in 0..60 {
+        let case = case_of(number, FieldKind::Grid, 700.0, 5);
+        let town = case.plan();
+        let mut style = case.style.clone();
+        style.main.field = kind;
+        let seams = seams(case.seed, &town, &vec![&style; town.cells.len()], &[]);
+        for (main, seam) in seams.iter().enumerate() {
+            for (port, hand) in seam.ports.iter().flat_map(|p| [(p, Hand::Left), (p, Hand::Right)]) {
+                let cell = &town.cells[hand.cell(&town.mains[main])];
+                if let Some(mark) = survey::opposite(&town, cell, main, hand, port.along)
+                    && (60.0..town.mains[mark.main].street.length() - 60.0).contains(&mark.along)
+                {
+                    all += 1;
+                    facing += usize::from(seams[mark.main].ports.iter().any(|p| (p.along - mark.along).abs() < 15.0));
+                }
+            }
+        }
+    }
+    (facing, all)
+}
+
+#[test]
+fn ports_of_grids_face_each_other_across_their_cells() {
+    let (facing, all) = facing(FieldKind::Grid);
+    let (by_chance, of) = self::facing(FieldKind::Contours);
+    assert!(
+        facing * 10 > all * 7,
+        "{facing} of {all} ports face another; {by_chance} of {of} do where nobody surveyed"
+    );
 }

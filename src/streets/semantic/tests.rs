@@ -10,8 +10,10 @@ use crate::space::{
     segment_distance, segments,
 };
 use crate::streets::{CellFiller, CellStreets, MadeBy};
+use crate::town::FieldKind;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 
 /// Fills a cell.
 pub(super) fn fill(cell: &Sample<'_>) -> CellStreets {
@@ -195,6 +197,34 @@ fn every_cell_keeps_every_promise() {
     }
     assert!(failures.is_empty(), "{} defects:\n{}", failures.len(), failures[..failures.len().min(40)].join("\n"));
     assert!(streets > 1500, "{streets} streets");
+}
+
+/// Turns of streets between their ends, in radians, with how far each street is from straight, in metres.
+fn turns(kit: &Kit) -> (Vec<f64>, Vec<f64>) {
+    let (mut turns, mut off) = (Vec::new(), Vec::new());
+    for seed in 2000..2040 {
+        for s in &fill(&Sample::new(seed, std::slice::from_ref(kit))).streets {
+            let line = &s.street.line;
+            let chord = [line[0], line[line.len() - 1]];
+            off.push(line.iter().map(|p| distance_to_line(*p, &chord)).fold(0.0, f64::max));
+            turns.extend(line.windows(3).map(|w| PI - angle_between(w[0] - w[1], w[2] - w[1])));
+        }
+    }
+    (turns, off)
+}
+
+#[test]
+fn streets_of_grids_have_no_doglegs_and_those_of_old_towns_no_kinks() {
+    for kit in &Kit::all() {
+        let (turns, off) = turns(kit);
+        if kit.style.main.field == FieldKind::Grid {
+            let bent = off.iter().filter(|d| (0.5..16.0).contains(*d)).count();
+            assert!(bent * 12 < off.len(), "{bent} of {} streets are nearly straight", off.len());
+        } else {
+            let kinks = turns.iter().filter(|t| **t > 0.7).count();
+            assert!(kinks * 12 < off.len(), "{}: {kinks} kinks in {} streets", kit.style.name, off.len());
+        }
+    }
 }
 
 #[test]
