@@ -71,8 +71,11 @@ impl Work<'_> {
     }
 
     fn connect_dead_ends(&mut self) {
-        for (_, v, _) in self.dead_ends() {
-            if self.canvas.is_dead_end(v) {
+        let stay = self.brief.style.local.dead_ends;
+        for (length, v, _) in self.dead_ends() {
+            if stay > 0.0 && length >= self.stump && self.rng.chance(stay) {
+                self.canvas.nodes[v as usize].open = false;
+            } else if self.canvas.is_dead_end(v) {
                 self.connect(v);
             }
         }

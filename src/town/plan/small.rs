@@ -22,7 +22,12 @@ pub(super) fn through(sketch: &mut Sketch) -> bool {
         .map(|(i, j)| (angle_between(gates[i].at, gates[j].at), i, j))
         .filter(|(angle, ..)| *angle >= OPPOSITE)
         .collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    // Roads run through rather than streets that come over a border.
+    let borders = |i: usize, j: usize| [i, j].into_iter().filter(|g| gates[*g].class.is_main()).count();
+    pairs.sort_by(|a, b| {
+        let by_class = borders(a.1, a.2).cmp(&borders(b.1, b.2));
+        by_class.then(b.0.total_cmp(&a.0)).then((a.1, a.2).cmp(&(b.1, b.2)))
+    });
     let Some(&(_, i, j)) = pairs.first() else { return false };
     let centre = sketch.graph.add_vertex(DVec2::ZERO);
     let tangent = (gates[j].at.normalize_or_zero() - gates[i].at.normalize_or_zero()).normalize_or_zero();
