@@ -66,6 +66,7 @@ impl Between<'_> {
             snap_radius: self.number(a.snap_radius, b.snap_radius),
             clearance: self.number(a.clearance, b.clearance),
             dead_ends: self.number(a.dead_ends, b.dead_ends),
+            rounding: self.number(a.rounding, b.rounding),
         }
     }
 

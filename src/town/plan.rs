@@ -70,7 +70,7 @@ pub fn plan(
 
     // Each way of making streets that leaves none (all of them dead ends) gives way to the next; a ring always stands.
     let through = |sketch: &mut Sketch| -> Result<(), LayerError> {
-        if sketch.river.is_none() && small::through(sketch) {
+        if sketch.river.is_none() && small::through(sketch, &mut seed.stream("town/through", &key)) {
             link::tie_gates(sketch, cancel)?;
             repair::round_corners(sketch);
         }

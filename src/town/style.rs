@@ -123,6 +123,8 @@ pub struct LocalRules {
     pub clearance: f64,
     /// Share (0 to 1) of the dead ends that stay, of those that could be led on to another street.
     pub dead_ends: f64,
+    /// Greatest distance from a sharp bend at which the curve begins that takes its place; bends stay sharp at 0.
+    pub rounding: f64,
 }
 
 impl Default for LocalRules {
@@ -137,6 +139,7 @@ impl Default for LocalRules {
             snap_radius: 25.0,
             clearance: 26.0,
             dead_ends: 0.0,
+            rounding: 0.0,
         }
     }
 }
@@ -310,7 +313,8 @@ impl Style {
             range("angle_deviation_deg", l.angle_deviation_deg, 0.0, 45.0)?;
             range("snap_radius", l.snap_radius, 5.0, 200.0)?;
             range("clearance", l.clearance, 15.0, 200.0)?;
-            range("dead_ends", l.dead_ends, 0.0, 1.0)
+            range("dead_ends", l.dead_ends, 0.0, 1.0)?;
+            range("rounding", l.rounding, 0.0, 100.0)
         };
         local().map_err(|e: RangeError| e.within("local"))?;
         let p = &self.parcels;
