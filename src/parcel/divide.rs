@@ -1,12 +1,15 @@
 //! Divides a main cell: blocks, their use, lots and footprints.
 
 use crate::layer::{Cancel, LayerError};
-use crate::parcel::blocks::blocks;
+use crate::parcel::blocks::{BlockShape, blocks};
 use crate::parcel::footprints::{footprint, storeys};
 use crate::parcel::lots::lots;
 use crate::parcel::{Block, BlockUse, CellParcels, Footprint, Lot, ParcelBrief};
 use crate::space::{QUANTUM, quantize, stable_hash};
 use glam::DVec2;
+
+/// Length of a park's border without a street, in metres: corners of streets of different widths leave a little.
+const MOST_OPEN: f64 = 12.0;
 
 /// Divides a main cell into blocks, lots and footprints; fails only when cancelled.
 ///
@@ -21,7 +24,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
     for shape in shapes {
         let id = stable_hash(&[brief.id.0, word(shape.polygon[0]), word(shape.polygon[1])]);
         let mut rng = brief.seed.stream("parcel", &[brief.id.0, id]);
-        let park = rng.chance(brief.rules.parks);
+        let park = rng.chance(brief.rules.parks) && is_enclosed(&shape);
         let parcels = if park { Vec::new() } else { lots(&shape, brief.rules, &mut rng) };
         let used_as = if parcels.is_empty() { BlockUse::Park } else { BlockUse::Built };
         out.blocks.push(Block { id, polygon: shape.polygon, used_as });
@@ -42,6 +45,13 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
         }
     }
     Ok(out)
+}
+
+/// Whether there are streets on all sides of a block, as there are of a park: elsewhere the town ends.
+fn is_enclosed(shape: &BlockShape) -> bool {
+    let n = shape.polygon.len();
+    let edge = |i: usize| shape.polygon[i].distance(shape.polygon[(i + 1) % n]);
+    (0..n).filter(|i| shape.fronts[*i].is_none()).map(edge).sum::<f64>() <= MOST_OPEN
 }
 
 /// A point of the quantum grid as one word.

@@ -62,7 +62,7 @@ pub struct Across<'a> {
 ///
 /// Both sides of a street propose ports, each from the style of its cell and a stream of its own; proposals are paired by
 /// PatchCity's cost (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one
-/// crossing, and what stays alone is a T. Cells that got fewer than two ports then get more where there is room. Along a
+/// crossing, and what stays alone is a T. Cells that got fewer ports than their style asks for then get more where there is room. Along a
 /// border each of the two towns proposes for its side from its own styles, and both find the same ports.
 pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) -> Vec<Seam> {
     let towns: Vec<Surveyed> = std::iter::once((true, Across { town, styles }))
@@ -283,8 +283,8 @@ fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) 
     out
 }
 
-/// Gives cells with fewer than two ports more, where there is room: a T, or else the other arm of one. Not on borders, where
-/// the other town would have to know.
+/// Gives cells with fewer ports than their style asks for more, where there is room: a T, or else the other arm of one. Not
+/// on borders, where the other town would have to know.
 fn supply_cells(own: Across<'_>, brinks: &[Brink], all: &mut [Vec<Attached>]) {
     let town = own.town;
     for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.used_as == CellUse::Built) {
@@ -301,7 +301,7 @@ fn supply_cells(own: Across<'_>, brinks: &[Brink], all: &mut [Vec<Attached>]) {
             sides.iter().map(|(main, hand)| all[*main].iter().filter(|a| a.has(*hand)).count()).sum()
         };
         for &(main, hand) in sides.iter().chain(&sides) {
-            if count(all) >= 2 {
+            if count(all) >= style.seam.least as usize {
                 break;
             }
             let (brink, length) = (&brinks[main], brinks[main].length);

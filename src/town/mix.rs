@@ -51,6 +51,7 @@ impl Between<'_> {
             jitter: self.number(a.jitter, b.jitter),
             min_spacing: self.number(a.min_spacing, b.min_spacing),
             crossing: self.number(a.crossing, b.crossing),
+            least: self.counts((a.least, a.least), (b.least, b.least)).0,
         }
     }
 
@@ -64,6 +65,8 @@ impl Between<'_> {
             angle_deviation_deg: self.number(a.angle_deviation_deg, b.angle_deviation_deg),
             snap_radius: self.number(a.snap_radius, b.snap_radius),
             clearance: self.number(a.clearance, b.clearance),
+            dead_ends: self.number(a.dead_ends, b.dead_ends),
+            rounding: self.number(a.rounding, b.rounding),
         }
     }
 

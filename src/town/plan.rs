@@ -69,7 +69,18 @@ pub fn plan(
     };
 
     // Each way of making streets that leaves none (all of them dead ends) gives way to the next; a ring always stands.
-    if radius >= rules.min_length + 1.3 * rules.margin {
+    let through = |sketch: &mut Sketch| -> Result<(), LayerError> {
+        if sketch.river.is_none() && small::through(sketch, &mut seed.stream("town/through", &key)) {
+            link::tie_gates(sketch, cancel)?;
+            repair::round_corners(sketch);
+        }
+        Ok(())
+    };
+    // Where no main streets may cross, the street that runs through comes first.
+    if style.main.degree.1 == 2 {
+        through(&mut sketch)?;
+    }
+    if sketch.graph.edges().next().is_none() && radius >= rules.min_length + 1.3 * rules.margin {
         let quays = if sketch.river.is_some() {
             water::lay(&mut sketch, &style.main, &mut seed.stream("town/river", &key))
         } else {
@@ -90,9 +101,7 @@ pub fn plan(
     }
     if sketch.graph.edges().next().is_none() {
         sketch.clear();
-        if sketch.river.is_none() && small::through(&mut sketch) {
-            link::tie_gates(&mut sketch, cancel)?;
-        }
+        through(&mut sketch)?;
     }
     if sketch.graph.edges().next().is_none() {
         sketch.clear();

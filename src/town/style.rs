@@ -91,11 +91,13 @@ pub struct SeamRules {
     /// Distance along the street, as a share of the spacing (0 to 0.5), up to which points of the two sides become one crossing:
     /// with little of it most are T-junctions.
     pub crossing: f64,
+    /// Number of attachment points (0 to 2) that every main cell gets at least, where there is room.
+    pub least: u32,
 }
 
 impl Default for SeamRules {
     fn default() -> Self {
-        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0, crossing: 0.4 }
+        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0, crossing: 0.4, least: 2 }
     }
 }
 
@@ -119,6 +121,10 @@ pub struct LocalRules {
     pub snap_radius: f64,
     /// Least distance between streets that do not meet.
     pub clearance: f64,
+    /// Share (0 to 1) of the dead ends that stay, of those that could be led on to another street.
+    pub dead_ends: f64,
+    /// Greatest distance from a sharp bend at which the curve begins that takes its place; bends stay sharp at 0.
+    pub rounding: f64,
 }
 
 impl Default for LocalRules {
@@ -132,6 +138,8 @@ impl Default for LocalRules {
             angle_deviation_deg: 6.0,
             snap_radius: 25.0,
             clearance: 26.0,
+            dead_ends: 0.0,
+            rounding: 0.0,
         }
     }
 }
@@ -294,7 +302,8 @@ impl Style {
             range("spacing", s.spacing, 30.0, 1000.0)?;
             range("jitter", s.jitter, 0.0, 0.45)?;
             range("min_spacing", s.min_spacing, 30.0, s.spacing.max(30.0))?;
-            range("crossing", s.crossing, 0.0, 0.5)
+            range("crossing", s.crossing, 0.0, 0.5)?;
+            range("least", s.least.into(), 0.0, 2.0)
         };
         seam().map_err(|e: RangeError| e.within("seam"))?;
         let l = &self.local;
@@ -306,7 +315,9 @@ impl Style {
             range("min_angle_deg", l.min_angle_deg, 15.0, 90.0)?;
             range("angle_deviation_deg", l.angle_deviation_deg, 0.0, 45.0)?;
             range("snap_radius", l.snap_radius, 5.0, 200.0)?;
-            range("clearance", l.clearance, 15.0, 200.0)
+            range("clearance", l.clearance, 15.0, 200.0)?;
+            range("dead_ends", l.dead_ends, 0.0, 1.0)?;
+            range("rounding", l.rounding, 0.0, 100.0)
         };
         local().map_err(|e: RangeError| e.within("local"))?;
         let p = &self.parcels;

@@ -16,6 +16,7 @@ mod pinned;
 mod place;
 mod proposal;
 mod repair;
+mod round;
 #[cfg(test)]
 mod sample;
 mod squares;

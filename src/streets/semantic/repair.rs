@@ -71,8 +71,12 @@ impl Work<'_> {
     }
 
     fn connect_dead_ends(&mut self) {
-        for (_, v, _) in self.dead_ends() {
-            if self.canvas.is_dead_end(v) {
+        let stay = self.brief.style.local.dead_ends;
+        for (length, v, _) in self.dead_ends() {
+            if stay > 0.0 && self.rng.chance(stay) {
+                // One that is long enough is not asked again; a stump goes.
+                self.canvas.nodes[v as usize].open &= length < self.stump;
+            } else if self.canvas.is_dead_end(v) {
                 self.connect(v);
             }
         }

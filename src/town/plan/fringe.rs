@@ -25,8 +25,9 @@ const SLIM: f64 = 26.0;
 const JOINED: f64 = 2.0;
 /// Number of cuts that are tried in one face.
 const MOST_TRIES: usize = 120;
-/// Width of a regular cell in villages, whose streets are short, in metres.
-const LEAST_WIDTH: f64 = 170.0;
+/// Width of a regular cell in villages, whose streets are short, in metres: at least, and where one street runs through, so
+/// that lanes have the room between it and the fields.
+const LEAST_WIDTH: (f64, f64) = (170.0, 260.0);
 
 /// Edges of the graph carry the class of the main street, `None` on the outline and on cuts. Vertices and edges of the
 /// sketch come first, in their order; then the vertices of the outline that are no gates.
@@ -213,7 +214,9 @@ impl Fringe<'_> {
 
     /// Area of a cell of regular growth.
     fn regular(&self) -> f64 {
-        let length = self.sketch.rules.length.max(LEAST_WIDTH);
+        let rules = &self.sketch.rules;
+        let least = if rules.degree.1 == 2 { LEAST_WIDTH.1 } else { LEAST_WIDTH.0 };
+        let length = rules.length.max(least);
         length * length
     }
 

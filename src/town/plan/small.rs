@@ -5,8 +5,8 @@ use super::link::smooth;
 use super::sketch::{End, Limits, Sketch, tidy};
 use super::water::fords;
 use crate::network::StreetClass;
-use crate::space::math::{angle_between, angle_of, direction};
-use crate::space::{line_length, quantize};
+use crate::space::math::{angle_between, angle_of, direction, rotate};
+use crate::space::{Stream, line_length, quantize};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
@@ -15,17 +15,25 @@ const OPPOSITE: f64 = 1.2;
 
 /// A street from gate to gate through the centre, for the two gates that lie most opposite each other. Whether there are
 /// such gates.
-pub(super) fn through(sketch: &mut Sketch) -> bool {
+pub(super) fn through(sketch: &mut Sketch, stream: &mut Stream) -> bool {
     let gates = sketch.gates;
     let mut pairs: Vec<(f64, usize, usize)> = (0..gates.len())
         .flat_map(|i| (i + 1..gates.len()).map(move |j| (i, j)))
         .map(|(i, j)| (angle_between(gates[i].at, gates[j].at), i, j))
         .filter(|(angle, ..)| *angle >= OPPOSITE)
         .collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    // Roads run through rather than streets that come over a border.
+    let borders = |i: usize, j: usize| [i, j].into_iter().filter(|g| gates[*g].class.is_main()).count();
+    pairs.sort_by(|a, b| {
+        let by_class = borders(a.1, a.2).cmp(&borders(b.1, b.2));
+        by_class.then(b.0.total_cmp(&a.0)).then((a.1, a.2).cmp(&(b.1, b.2)))
+    });
     let Some(&(_, i, j)) = pairs.first() else { return false };
     let centre = sketch.graph.add_vertex(DVec2::ZERO);
     let tangent = (gates[j].at.normalize_or_zero() - gates[i].at.normalize_or_zero()).normalize_or_zero();
+    // High streets wind: they swing to one side by half of what they may, or more.
+    let swing = stream.signed();
+    let tangent = rotate(tangent, sketch.rules.angle_deviation * 0.5 * (swing + swing.signum()));
     let limits = Limits { gap: 20.0, angle: 0.6, min_length: 20.0, margin: 25.0, turn: 0.6, ..sketch.limits() };
     for (gate, arriving) in [(i, tangent), (j, -tangent)] {
         let at = gates[gate].at;

@@ -1,0 +1,93 @@
+//! Rounding: where a street bends sharply, its corner becomes a curve.
+
+use super::Work;
+use super::near::Near;
+use crate::network::VertexIx;
+use crate::patch::STREET_FLOOR;
+use crate::space::math::angle_between;
+use crate::space::{Bounds, point_at, quantize, segment_distance, segments};
+use glam::DVec2;
+
+/// Bends less sharp than this stay as they are, in radians.
+const SHARP: f64 = 0.3;
+/// Least distance from a corner at which a curve begins, in metres: less cannot be seen.
+const LEAST_REACH: f64 = 4.0;
+/// Share of the way to the next corner or the end of the street that a curve takes at most.
+const MOST_SHARE: f64 = 0.45;
+/// Angle between the pieces of a curve, in radians.
+const ARC: f64 = 0.25;
+
+/// A curve in the place of a corner.
+struct Curve {
+    /// Where it begins and ends, in metres along the street.
+    from: f64,
+    to: f64,
+    points: Vec<DVec2>,
+}
+
+impl Work<'_> {
+    /// The line through `vertices` with its corners rounded as far as the style asks and other streets leave room.
+    pub(super) fn rounded(&self, vertices: &[VertexIx], line: Vec<DVec2>, near: &mut Near) -> Vec<DVec2> {
+        let most = self.brief.style.local.rounding;
+        if most < LEAST_REACH {
+            return line;
+        }
+        let mut along = vec![0.0];
+        along.extend(segments(&line).scan(0.0, |sum, (a, b)| {
+            *sum += a.distance(b);
+            Some(*sum)
+        }));
+        let turn = |i: usize| angle_between(line[i] - line[i - 1], line[i + 1] - line[i]);
+        let pinned = |i: usize| self.canvas.nodes[vertices[i] as usize].pinned;
+        let last = line.len() - 1;
+        let corners: Vec<usize> = (1..last).filter(|i| turn(*i) > SHARP && !pinned(*i)).collect();
+        let mut curves = Vec::new();
+        for (k, &i) in corners.iter().enumerate() {
+            let before = along[i] - if k > 0 { along[corners[k - 1]] } else { 0.0 };
+            let after = corners.get(k + 1).map_or(along[last], |j| along[*j]) - along[i];
+            let reach = most.min(MOST_SHARE * before.min(after));
+            if reach < LEAST_REACH {
+                continue;
+            }
+            let (from, to) = (along[i] - reach, along[i] + reach);
+            let (p, q) = (point_at(&line, from).0, point_at(&line, to).0);
+            let parts = (turn(i) / ARC).ceil();
+            let point = |part: usize| {
+                let t = part as f64 / parts;
+                quantize(p.lerp(line[i], t).lerp(line[i].lerp(q, t), t))
+            };
+            let points: Vec<DVec2> = (0..=parts as usize).map(point).collect();
+            if self.has_room(vertices, &line, &points, near) {
+                curves.push(Curve { from, to, points });
+            }
+        }
+        let mut out = Vec::with_capacity(line.len() + 4 * curves.len());
+        let mut rest = curves.iter().peekable();
+        for (p, along) in line.into_iter().zip(along) {
+            while let Some(curve) = rest.next_if(|c| c.from < along) {
+                out.extend(&curve.points);
+            }
+            let inside = curves.iter().any(|c| c.from <= along && along <= c.to);
+            if !inside {
+                out.push(p);
+            }
+        }
+        out.dedup();
+        out
+    }
+
+    /// Whether a curve comes no nearer to other streets and the border than streets may, or than the street did before.
+    fn has_room(&self, vertices: &[VertexIx], line: &[DVec2], curve: &[DVec2], near: &mut Near) -> bool {
+        let bounds = Bounds::of(curve.iter().copied());
+        self.canvas.gather_segs(bounds.grown(2.0 * STREET_FLOOR), near);
+        let own = |v: VertexIx| vertices.contains(&v);
+        near.segs.iter().filter(|s| s.is_wall() || !(own(s.va) && own(s.vb))).all(|s| {
+            let distance = |line: &[DVec2]| {
+                segments(line).map(|(a, b)| segment_distance(a, b, s.a, s.b)).fold(f64::INFINITY, f64::min)
+            };
+            let floor = if s.is_wall() { s.floor } else { STREET_FLOOR };
+            let now = distance(curve);
+            now >= floor || now >= distance(line)
+        })
+    }
+}
