@@ -1,15 +1,12 @@
-//! Fairing: the doglegs that streets take to meet a port or each other go, junctions move to where streets go straight on
-//! across them, and bends become curves. All of it keeps the rules of the repair; what would break one stays as it was.
+//! Fairing: the doglegs that streets take to meet a port or each other go, and junctions move to where streets go straight on
+//! across them. All of it keeps the rules of the repair; what would break one stays as it was.
 
 use super::Work;
-use super::canvas::Node;
 use super::proposal::Join;
 use crate::network::{Edge, EdgeIx, VertexIx};
-use crate::space::{Bounds, distance_to_segment, math::angle_between, quantize};
+use crate::space::{Bounds, distance_to_segment, quantize};
 use crate::streets::MadeBy;
-use crate::town::FieldKind;
 use glam::DVec2;
-use std::f64::consts::PI;
 
 /// Least cosine of the angle between a port's street and the stub that it begins as.
 const PORT: f64 = 0.93;
@@ -23,14 +20,6 @@ const WORTH: f64 = 0.5;
 /// Rounds: a junction that has moved lets its neighbours move.
 const ROUNDS: usize = 3;
 
-/// Turn of a street, in radians, from which a bend becomes a curve, and by how much the curve turns at once at most.
-const BEND: f64 = 0.3;
-const STEP: f64 = 0.4;
-
-/// Length of street at each side of a bend that becomes a curve, in metres, and as a share of what is there.
-const CURVE: f64 = 20.0;
-const CURVE_SHARE: f64 = 0.45;
-
 impl Work<'_> {
     /// Makes the streets of the finished cell fair.
     pub(super) fn make_fair(&mut self) {
@@ -40,73 +29,26 @@ impl Work<'_> {
                 self.align_junctions();
             }
         }
-        // Blocks of a grid have corners.
-        if self.brief.style.main.field != FieldKind::Grid {
-            self.round_bends();
-        }
-    }
-
-    /// The streets, as the vertices along them, that may be changed.
-    fn loose_streets(&self) -> Vec<(Vec<EdgeIx>, Vec<VertexIx>, MadeBy)> {
-        let g = &self.canvas.graph;
-        let chains = g.chains(|v| self.canvas.is_end(v)).into_iter();
-        let streets = chains.map(|c| (c.iter().map(|(e, _)| *e).collect(), g.chain_vertices(&c), self.maker(&c)));
-        let is_pinned = |v: &VertexIx| self.canvas.nodes[*v as usize].pinned;
-        streets
-            .filter(|(_, line, _)| line.len() > 2 && line[0] != line[line.len() - 1] && !line.iter().any(is_pinned))
-            .collect()
     }
 
     /// Lays streets straight from end to end that are within [`Work::dogleg`] of it.
     fn straighten_streets(&mut self) {
-        for (edges, vertices, made_by) in self.loose_streets() {
+        for chain in self.canvas.graph.chains(|v| self.canvas.is_end(v)) {
+            let vertices = self.canvas.graph.chain_vertices(&chain);
             let (first, last) = (vertices[0], vertices[vertices.len() - 1]);
             let g = &self.canvas.graph;
             let (a, b) = (g.at(first), g.at(last));
             let off = vertices.iter().map(|v| distance_to_segment(g.at(*v), a, b)).fold(0.0, f64::max);
-            if off <= self.dogleg && self.leaves_port(first, b) && self.leaves_port(last, a) {
-                self.lay_again(&edges, [first, last], &[a, b], made_by);
+            let pinned = vertices.iter().any(|v| self.canvas.nodes[*v as usize].pinned);
+            if vertices.len() == 2 || first == last || off > self.dogleg || pinned {
+                continue;
             }
-        }
-    }
-
-    /// Rounds the bends of streets.
-    fn round_bends(&mut self) {
-        for (edges, vertices, made_by) in self.loose_streets() {
-            let line: Vec<DVec2> = vertices.iter().map(|v| self.canvas.graph.at(*v)).collect();
-            let mut rounded = vec![line[0]];
-            for w in line.windows(3) {
-                let turn = PI - angle_between(w[0] - w[1], w[2] - w[1]);
-                if turn < BEND {
-                    rounded.push(w[1]);
-                    continue;
-                }
-                let along = CURVE.min(CURVE_SHARE * w[0].distance(w[1]).min(w[1].distance(w[2])));
-                let [from, to] = [w[0], w[2]].map(|p| w[1] + (p - w[1]).normalize_or_zero() * along);
-                let steps = (turn / STEP).ceil().max(2.0);
-                // A quadratic curve with the bend as its control point.
-                let point = |t: f64| from.lerp(w[1], t).lerp(w[1].lerp(to, t), t);
-                rounded.extend((0..=steps as usize).map(|i| quantize(point(i as f64 / steps))));
+            let made_by = self.maker(&chain);
+            let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
+            self.proposal.line(&[a, b], self.rejoin(first), self.rejoin(last));
+            if self.leaves_port(first, b) && self.leaves_port(last, a) && self.take_for_proposal(&edges).is_some() {
+                self.canvas.add_edge(first, last, made_by);
             }
-            rounded.push(line[line.len() - 1]);
-            if rounded.len() > line.len() {
-                self.lay_again(&edges, [vertices[0], vertices[vertices.len() - 1]], &rounded, made_by);
-            }
-        }
-    }
-
-    /// Lays the street between two vertices of which these are the edges along another line, if that may be.
-    fn lay_again(&mut self, edges: &[EdgeIx], [first, last]: [VertexIx; 2], line: &[DVec2], made_by: MadeBy) {
-        let joins = [first, last].map(|v| self.rejoin(v));
-        self.proposal.line(line, joins[0], joins[1]);
-        if self.take_for_proposal(edges).is_some() {
-            let mut before = first;
-            for at in &line[1..line.len() - 1] {
-                let v = self.canvas.add_vertex(*at, Node::default());
-                self.canvas.add_edge(before, v, made_by);
-                before = v;
-            }
-            self.canvas.add_edge(before, last, made_by);
         }
     }
 
