@@ -55,7 +55,7 @@ pub(super) trait Corners {
     fn of<const N: usize>(&mut self, octaves: &Octaves<N>, cells: &[[f64; N]; 2]) -> &Gradients<N>;
 }
 
-/// Columns of [`Gradients`] of the octave `i` in its cell.
+/// Puts the gradients around the cell (x, y) of octave `i` into its column.
 #[inline(always)]
 fn put_gradients<const N: usize>(of: &mut Gradients<N>, octaves: &Octaves<N>, [x, y]: [f64; 2], i: usize) {
     let (x, y) = (integer(x).wrapping_mul(MIX[0]), integer(y).wrapping_mul(MIX[1]));
@@ -115,7 +115,7 @@ impl Corners for Remembered {
     fn of<const N: usize>(&mut self, octaves: &Octaves<N>, [x, y]: &[[f64; N]; 2]) -> &Gradients<N> {
         let [held_x, held_y] = rows::<2, N>(&mut self.cells[2 * octaves.place..]);
         let held = rows::<8, N>(&mut self.gradients[8 * octaves.place..]);
-        // All at once, which is seldom in vain, and then one by one.
+        // Mostly no octave is in another cell than before: all are compared at once, without a branch.
         let mut moved = false;
         for i in 0..N {
             moved |= (x[i] != held_x[i]) | (y[i] != held_y[i]);
@@ -162,6 +162,7 @@ pub(super) struct Octaves<const N: usize> {
 impl<const N: usize> Octaves<N> {
     /// Octaves of a world by number, each with its wavelength: the edge of its lattice cells in metres.
     pub fn new(seed: Seed, octaves: [(u64, f64); N], places: &mut Places) -> Self {
+        const { assert!(N <= MOST_TOGETHER) };
         let place = places.take(N);
         let mut out = Self { place, seeds: [0; N], east: [[0.0; N]; 2], offset: [[0.0; N]; 2] };
         for (i, (key, wavelength)) in octaves.into_iter().enumerate() {
