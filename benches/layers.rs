@@ -1,5 +1,7 @@
 //! Each layer by itself, and a whole chunk in the middle of a city, on one thread.
 
+mod clock;
+
 use bevy_sprawl::chunk::Ground;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
@@ -12,22 +14,60 @@ use glam::DVec2;
 use std::hint::black_box;
 use std::sync::Arc;
 
+/// Worlds in which the region work for a first chunk is timed.
+const COLD: u64 = 16;
+
 fn world(seed: u64) -> World {
     World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).expect("the bundled world is valid")
 }
 
-/// The city nearest to the world's origin, which every seed has within some lattice cells.
-fn city(world: &World) -> Arc<Settlement> {
+/// The settlement of a size nearest to the world's origin, which every seed has within some lattice cells.
+fn nearest(world: &World, size: SizeClass) -> Arc<Settlement> {
     let bounds = Bounds::square(DVec2::ZERO, 100_000.0);
-    let cities = world.settlements().centred_in_of(bounds, SizeClass::City).expect("never cancelled");
+    let all = world.settlements().centred_in_of(bounds, size).expect("never cancelled");
     let from_origin = |s: &Arc<Settlement>| s.centre.plan().length();
-    cities.into_iter().min_by(|a, b| from_origin(a).total_cmp(&from_origin(b))).expect("a city within 50 km")
+    all.into_iter().min_by(|a, b| from_origin(a).total_cmp(&from_origin(b))).expect("a settlement within 50 km")
+}
+
+/// A place in a world: by its seed in a city, a town, a village, or anywhere.
+fn place(seed: u64) -> DVec2 {
+    match SizeClass::ALL.get(seed as usize % 4) {
+        Some(size) => nearest(&world(seed), *size).centre.plan(),
+        None => {
+            let mut random = Seed(seed).stream("bench", &[]);
+            DVec2::new(random.signed(), random.signed()) * 30_000.0
+        }
+    }
+}
+
+/// What a new world takes until the roads of its first chunk are there, in places of all kinds, each in a world of its own.
+fn cold(_: &mut Criterion) {
+    let assets = WorldAssets::bundled();
+    let time = |seed: u64| {
+        let at = place(seed);
+        let once = || {
+            let world = World::new(Seed(seed), Settings::default(), assets.clone());
+            let world = world.expect("the bundled world is valid");
+            let size = world.settings().chunk_size;
+            let bounds = ChunkCoord::containing(at, size).bounds(size);
+            world.roads().overlapping(bounds, &Cancel::new()).expect("never cancelled").len()
+        };
+        // The best of three: other work on the machine counts less.
+        (0..3).map(|_| clock::timed(once).0.as_secs_f64() * 1e3).fold(f64::INFINITY, f64::min)
+    };
+    let mut times: Vec<f64> = (1..=COLD).map(time).collect();
+    times.sort_by(f64::total_cmp);
+    let (mean, middle) = (times.iter().sum::<f64>() / COLD as f64, times.len() / 2);
+    let (median, slowest) = ((times[middle - 1] + times[middle]) / 2.0, times[times.len() - 1]);
+    println!(
+        "region/cold, one chunk: mean {mean:.0} ms, median {median:.0} ms, slowest {slowest:.0} ms of {COLD} worlds"
+    );
 }
 
 fn layers(c: &mut Criterion) {
     let world = world(1);
     let never = Cancel::new();
-    let city = city(&world);
+    let city = nearest(&world, SizeClass::City);
     let size = world.settings().chunk_size;
     let centre = city.centre.plan();
     let coord = ChunkCoord::containing(centre, size);
@@ -110,6 +150,6 @@ fn layers(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10);
-    targets = layers
+    targets = cold, layers
 }
 criterion_main!(benches);

@@ -1,6 +1,8 @@
 //! The experiments of Galin et al. 2011 (table 1 of section 5, tables 2 and 3 of section 8), on generated ground of the same
 //! sizes, on one thread.
 
+mod clock;
+
 use bevy_sprawl::network::StreetClass;
 use bevy_sprawl::region::{RoadNetwork, RoadSettings, Settlement, SettlementId, SizeClass};
 use bevy_sprawl::space::{Origin, Seed, math};
@@ -9,7 +11,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec2;
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Edge of the domain of tables 2 and 3 in metres.
 const EDGE: f64 = 200_000.0;
@@ -82,14 +84,6 @@ fn settlements(counts: [usize; 3], ground: &RasterTerrain) -> Vec<Settlement> {
     out
 }
 
-/// Time that this thread has had a processor, where the system says; else the time of day. Other work on the machine counts
-/// in the second only.
-fn clock(start: Instant) -> Duration {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanos = text.split_whitespace().next().and_then(|n| n.parse().ok());
-    nanos.map_or_else(|| start.elapsed(), Duration::from_nanos)
-}
-
 fn build(ground: &Arc<RasterTerrain>, all: &[Settlement], cells: usize, gamma: Option<f64>) -> RoadNetwork {
     let mut settings = RoadSettings::finite((ground.bounds().size().x / cells as f64) as i64);
     for tier in [&mut settings.highway, &mut settings.major, &mut settings.minor] {
@@ -99,16 +93,10 @@ fn build(ground: &Arc<RasterTerrain>, all: &[Settlement], cells: usize, gamma: O
 }
 
 /// The best of three times, in seconds, and the network.
-fn timed(make: impl Fn() -> RoadNetwork) -> (f64, RoadNetwork) {
-    let start = Instant::now();
-    let run = || {
-        let before = clock(start);
-        let network = make();
-        (clock(start) - before, network)
-    };
-    let (mut best, network) = run();
+fn best(make: impl Fn() -> RoadNetwork) -> (f64, RoadNetwork) {
+    let (mut best, network) = clock::timed(&make);
     for _ in 0..2 {
-        best = best.min(run().0);
+        best = best.min(clock::timed(&make).0);
     }
     (best.as_secs_f64(), network)
 }
@@ -122,7 +110,7 @@ fn densities(_: &mut Criterion) {
     println!("{:>6} {:>22} {:>22} {:>22} {:>8}", "gamma", "highway", "major", "minor", "s");
     let mut before = (usize::MAX, f64::INFINITY);
     for (gamma, paper) in DENSITIES {
-        let (seconds, network) = timed(|| build(&ground, &all, cells, Some(gamma)));
+        let (seconds, network) = best(|| build(&ground, &all, cells, Some(gamma)));
         let classes = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor];
         let columns = classes.iter().zip(paper).map(|(class, (n, km))| {
             let links = network.links.iter().filter(|l| l.class == *class);
@@ -148,7 +136,7 @@ fn roads(c: &mut Criterion) {
     for case in &CASES {
         let ground = Arc::new(ground(case.cells, EDGE));
         let all = settlements(case.counts, &ground);
-        let (seconds, network) = timed(|| build(&ground, &all, case.cells, None));
+        let (seconds, network) = best(|| build(&ground, &all, case.cells, None));
         let (links, km) = (network.links.len(), network.length() / 1000.0);
         let size = (case.cells * case.cells * links) as f64;
         work.push((size, seconds));

@@ -248,13 +248,11 @@ impl Settlements {
     fn near(&self, settlement: &Settlement) -> Result<Vec<Arc<Settlement>>, LayerError> {
         let own = Bounds::square(settlement.centre.plan(), 0.0);
         let padding = settlement.radius + self.largest_radius() + NEIGHBOUR;
-        let near = Reach::new("outline", own, padding).check(own.grown(padding))?;
-        let mut neighbours = self.centred_in(near)?;
-        neighbours.retain(|n| {
+        Reach::new("outline", own, padding).check(own.grown(padding))?;
+        self.collect(own.grown(settlement.radius + NEIGHBOUR), 1.0, SizeClass::Village, |n| {
             let apart = settlement.centre.offset_to(n.centre).length();
             n.id != settlement.id && apart < settlement.radius + n.radius + NEIGHBOUR
-        });
-        Ok(neighbours)
+        })
     }
 
     /// Settlements whose outline may overlap `bounds` (their circles do), sorted by id.
@@ -338,10 +336,13 @@ impl Settlements {
         Ok(())
     }
 
-    /// Lattice cells of a tier that share a point with `bounds`. A settlement's centre lies in its cell.
+    /// Lattice cells of a tier whose settlement may have its centre in `bounds`.
     fn cells(&self, bounds: Bounds, size: SizeClass) -> impl Iterator<Item = I64Vec2> + use<> {
         let spacing = *self.settings.spacing.of(size);
-        let (low, high) = ((bounds.min / spacing).floor().as_i64vec2(), (bounds.max / spacing).floor().as_i64vec2());
+        // Places lie that far, in cells, around the middle of their cell; they are rounded to the metre.
+        let half = self.settings.jitter / 2.0;
+        let low = ((bounds.min - 1.0) / spacing - 0.5 - half).ceil().as_i64vec2();
+        let high = ((bounds.max + 1.0) / spacing - 0.5 + half).floor().as_i64vec2();
         (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec2::new(x, y)))
     }
 
@@ -362,8 +363,8 @@ impl Settlements {
         let reach = Reach::new("settlement", self.cell_bounds(cell, size), padding);
         let near = reach.check(Bounds::square(own.centre.plan(), 2.0 * padding))?;
         for other in self.cells(near, size).filter(|c| *c != cell) {
-            if let Some(other) = &self.candidate(other, size)?.0
-                && rank(other) > rank(&own)
+            if rank(lattice_id(other, size)) > rank(own.id)
+                && let Some(other) = &self.candidate(other, size)?.0
                 && self.conflict(&own, other.centre, other.radius)
             {
                 return Ok(None);
@@ -394,7 +395,8 @@ impl Settlements {
         let mut higher = vec![];
         for &tier in size.higher() {
             let padding = self.too_near(size, tier);
-            let near = Reach::new("settlement", bounds, padding).check(bounds.grown(padding))?;
+            let around = Bounds::of(places.iter().map(|p| p.plan())).grown(padding);
+            let near = Reach::new("settlement", bounds, padding).check(around)?;
             self.accepted_in(near, tier, |other| higher.push(other))?;
         }
         let mut ground = self.terrain.0.scan_ground();
@@ -410,7 +412,7 @@ impl Settlements {
         let Some((centre, slope)) = suiting.next() else { return Ok(None) };
         let drawn = s.draw_style(&mut stream, size);
         let style = s.style_on_slope(size, slope).unwrap_or(drawn);
-        let id = SettlementId(stable_hash(&[size as u64, cell.x as u64, cell.y as u64]).max(1));
+        let id = lattice_id(cell, size);
         let name = name::place_name(&mut stream, size);
         Ok(Some(Arc::new(Settlement { id, centre, radius, size, style, name })))
     }
@@ -449,8 +451,13 @@ fn keep(radius: f64) -> f64 {
 }
 
 /// Who stays of two candidates that are too near each other. Distinct for distinct settlements.
-fn rank(settlement: &Settlement) -> (u64, SettlementId) {
-    (stable_hash(&[settlement.id.0, 1]), settlement.id)
+fn rank(id: SettlementId) -> (u64, SettlementId) {
+    (stable_hash(&[id.0, 1]), id)
+}
+
+/// Name of the settlement of a lattice cell, if there is one.
+fn lattice_id(cell: I64Vec2, size: SizeClass) -> SettlementId {
+    SettlementId(stable_hash(&[size as u64, cell.x as u64, cell.y as u64]).max(1))
 }
 
 #[cfg(test)]

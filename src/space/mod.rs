@@ -19,7 +19,7 @@ pub use geometry::{
     segment_distance,
 };
 pub use polyline::{
-    centroid, closest_on_line, cut_line, distance_to_line, line_length, point_at, point_in_polygon, polygon_distance,
-    resample, segments, signed_area,
+    Measured, centroid, closest_on_line, cut_line, distance_to_line, line_length, point_at, point_in_polygon,
+    polygon_distance, resample, segments, signed_area,
 };
 pub use seed::{Seed, Stream, stable_hash};

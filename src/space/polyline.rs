@@ -18,21 +18,47 @@ pub fn line_length(line: &[DVec2]) -> f64 {
 ///
 /// The direction is zero for a line without length.
 pub fn point_at(line: &[DVec2], at: f64) -> (DVec2, DVec2) {
+    place_on(line, segments(line).map(|(a, b)| a.distance(b)), at)
+}
+
+/// [`point_at`] on a line whose segments have these lengths.
+fn place_on(line: &[DVec2], lengths: impl Iterator<Item = f64>, at: f64) -> (DVec2, DVec2) {
     let mut left = at;
-    let mut last = (line.first().copied().unwrap_or_default(), DVec2::ZERO);
-    for (a, b) in segments(line) {
-        let length = a.distance(b);
-        if length == 0.0 {
-            continue;
-        }
-        let direction = (b - a) / length;
+    let mut last = None;
+    for (i, length) in lengths.enumerate().filter(|(_, length)| *length != 0.0) {
+        let direction = || (line[i + 1] - line[i]) / length;
         if left <= length {
-            return (a + direction * left.max(0.0), direction);
+            return (line[i] + direction() * left.max(0.0), direction());
         }
         left -= length;
-        last = (b, direction);
+        last = Some((i, length));
     }
-    last
+    last.map_or((line.first().copied().unwrap_or_default(), DVec2::ZERO), |(i, length)| {
+        (line[i + 1], (line[i + 1] - line[i]) / length)
+    })
+}
+
+/// A polyline with the lengths of its segments, to ask for many points along it.
+pub struct Measured<'a> {
+    line: &'a [DVec2],
+    lengths: Vec<f64>,
+}
+
+impl<'a> Measured<'a> {
+    /// Measures a line.
+    pub fn new(line: &'a [DVec2]) -> Self {
+        Self { line, lengths: segments(line).map(|(a, b)| a.distance(b)).collect() }
+    }
+
+    /// Length of the line in metres.
+    pub fn length(&self) -> f64 {
+        self.lengths.iter().sum()
+    }
+
+    /// Position at `at` metres along the line: that of [`point_at`].
+    pub fn point_at(&self, at: f64) -> DVec2 {
+        place_on(self.line, self.lengths.iter().copied(), at).0
+    }
 }
 
 /// The part of a polyline between `from` and `to` metres along it (`from < to`), both clamped to its length.

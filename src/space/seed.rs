@@ -7,8 +7,18 @@ use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
 /// Hash of a few words that is the same on every platform and in every version.
 pub fn stable_hash(words: &[u64]) -> u64 {
-    xxh3_64(&bytes(words))
+    let mut few = [0; 8 * FEW];
+    if words.len() > FEW {
+        return xxh3_64(&bytes(words));
+    }
+    for (bytes, word) in few.chunks_exact_mut(8).zip(words) {
+        bytes.copy_from_slice(&word.to_le_bytes());
+    }
+    xxh3_64(&few[..8 * words.len()])
 }
+
+/// Words that are hashed without asking for memory.
+const FEW: usize = 8;
 
 fn bytes(words: &[u64]) -> Vec<u8> {
     words.iter().flat_map(|w| w.to_le_bytes()).collect()

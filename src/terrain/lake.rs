@@ -1,7 +1,7 @@
 //! Lakes: basins on a jittered lattice, each with a level of its own and a rim above it.
 
 use super::TerrainSettings;
-use super::field::{Corners, Octave, draw};
+use super::field::{Corners, Octaves, Places, draw, floor};
 use super::noise::Shape;
 use crate::layer::{LayerCache, LayerError, Weigh};
 use crate::space::{Seed, math};
@@ -25,15 +25,20 @@ const CACHE_BYTES: usize = 1 << 20;
 struct Basin {
     centre: DVec2,
     radius: f64,
-    /// Unit vector along its greater length.
-    axis: DVec2,
+    /// Heading of its greater length, in radians.
+    heading: f64,
     stretch: f64,
 }
 
 impl Basin {
+    /// Unit vector along its greater length.
+    fn axis(&self) -> DVec2 {
+        math::direction(self.heading)
+    }
+
     /// The plan point at `local`, in radii along the greater length and across it, unbent.
     fn plan(&self, local: DVec2) -> DVec2 {
-        self.centre + self.axis.rotate(local * DVec2::new(self.stretch, 1.0) * self.radius)
+        self.centre + self.axis().rotate(local * DVec2::new(self.stretch, 1.0) * self.radius)
     }
 }
 
@@ -54,13 +59,13 @@ pub(super) struct Lakes {
     spacing: f64,
     share: f64,
     radius: (f64, f64),
-    bend: [Octave; 2],
+    bend: Octaves<2>,
     /// Memory only: what is in it never changes a result.
     levels: LayerCache<[i64; 2], Level>,
 }
 
 impl Lakes {
-    pub fn new(seed: Seed, s: &TerrainSettings) -> Self {
+    pub fn new(seed: Seed, s: &TerrainSettings, places: &mut Places) -> Self {
         let mut stream = seed.stream("terrain", &[40]);
         let wavelength = (s.lake_radius.0 + s.lake_radius.1) * 0.75;
         Self {
@@ -68,7 +73,7 @@ impl Lakes {
             spacing: s.lake_spacing,
             share: s.lake_share,
             radius: s.lake_radius,
-            bend: [Octave::new(seed, 41, wavelength), Octave::new(seed, 42, wavelength)],
+            bend: Octaves::new(seed, [(41, wavelength), (42, wavelength)], places),
             levels: LayerCache::new(CACHE_BYTES),
         }
     }
@@ -86,7 +91,7 @@ impl Lakes {
         Some(Basin {
             centre: (corner + 0.5) * self.spacing + (place * 2.0 - 1.0) * room,
             radius,
-            axis: math::direction(shape.x * std::f64::consts::TAU),
+            heading: shape.x * std::f64::consts::TAU,
             stretch: math::mix(1.0, STRETCH, shape.y),
         })
     }
@@ -129,7 +134,7 @@ impl Lakes {
         ground: impl Fn(DVec2) -> Shape,
     ) -> (f64, f64) {
         let dry = (shape.height, shape.table);
-        let cell = (p / self.spacing).floor().as_i64vec2().to_array();
+        let cell = (p / self.spacing).to_array().map(|x| floor(x) as i64);
         let Some(basin) = self.basin(cell) else { return dry };
         let (offset, radius) = (p - basin.centre, basin.radius);
         if offset.length_squared() >= (REACH * radius) * (REACH * radius) {
@@ -139,8 +144,9 @@ impl Lakes {
         let Ok(Some(level)) = level.map(|l| l.0) else { return dry };
 
         // Distance from the centre in radii, 1 on the shore.
-        let unbent = DVec2::new(offset.dot(basin.axis) / basin.stretch, offset.dot(basin.axis.perp())) / radius;
-        let bend = DVec2::new(self.bend[0].at(p, corners), self.bend[1].at(p, corners)) * 0.6;
+        let axis = basin.axis();
+        let unbent = DVec2::new(offset.dot(axis) / basin.stretch, offset.dot(axis.perp())) / radius;
+        let bend = DVec2::from(self.bend.at(p, corners)) * 0.6;
         let q = (unbent + bend.clamp_length_max(BENT)).length();
         if q >= INFLUENCE {
             return dry;

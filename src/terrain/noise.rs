@@ -1,6 +1,6 @@
 //! The default terrain.
 
-use super::field::{Corners, Fractal, Fresh, Octave, Remembered};
+use super::field::{Corners, Fractal, Fresh, Octaves, Places, Remembered};
 use super::lake::Lakes;
 use super::river::Rivers;
 use super::{Scan, Terrain, TerrainSample, TerrainSettings};
@@ -24,6 +24,8 @@ const FLOOD_PLAIN: f64 = 1.6;
 pub struct NoiseTerrain {
     ground: Ground,
     lakes: Lakes,
+    /// Octaves of all.
+    octaves: usize,
 }
 
 /// Everything but the lakes.
@@ -32,14 +34,14 @@ pub(super) struct Ground {
     settings: TerrainSettings,
     continent: Continent,
     rivers: Rivers,
-    plain: Fractal,
-    detail: Fractal,
-    hill: Fractal,
+    plain: Fractal<2>,
+    detail: Fractal<4>,
+    hill: Fractal<4>,
     hill_mask: Mask,
-    mountain: Fractal,
-    mountain_bend: [Octave; 2],
+    mountain: Fractal<6>,
+    mountain_bend: Octaves<2>,
     mountain_mask: Mask,
-    wood: Fractal,
+    wood: Fractal<4>,
 }
 
 /// Ground at a point, before lakes.
@@ -57,15 +59,15 @@ pub(super) struct Shape {
 /// A field that is 0 outside of a share of the plan and rises smoothly to 1 within.
 #[derive(Clone, Debug)]
 struct Mask {
-    field: Fractal,
+    field: Fractal<2>,
     low: f64,
     high: f64,
 }
 
 impl Mask {
-    fn new(seed: Seed, key: u64, wavelength: f64, share: f64, width: f64) -> Self {
-        let field = Fractal::new(seed, key, wavelength, 2, 0.4);
-        let low = quantile(seed, key, wavelength, 1.0 - share, |p| field.at(p, &mut Fresh));
+    fn new(seed: Seed, key: u64, wavelength: f64, share: f64, width: f64, places: &mut Places) -> Self {
+        let field = Fractal::new(seed, key, wavelength, 0.4, places);
+        let low = quantile(seed, key, wavelength, 1.0 - share, |p| field.at(p, &mut Fresh::new()));
         Self { field, low, high: low + width }
     }
 
@@ -90,28 +92,28 @@ fn quantile(seed: Seed, key: u64, wavelength: f64, share: f64, field: impl Fn(DV
 /// Where land and sea are.
 #[derive(Clone, Debug)]
 struct Continent {
-    bend: [Octave; 2],
+    bend: Octaves<2>,
     bend_by: f64,
-    field: Fractal,
-    coast: Fractal,
+    field: Fractal<3>,
+    coast: Fractal<5>,
     sea: f64,
 }
 
 impl Continent {
-    fn new(seed: Seed, size: f64, sea_share: f64) -> Self {
+    fn new(seed: Seed, size: f64, sea_share: f64, places: &mut Places) -> Self {
         let mut it = Self {
-            bend: [Octave::new(seed, 1, size * 0.53), Octave::new(seed, 2, size * 0.53)],
+            bend: Octaves::new(seed, [(1, size * 0.53), (2, size * 0.53)], places),
             bend_by: size * 0.16,
-            field: Fractal::new(seed, 3, size, 3, 0.42),
-            coast: Fractal::new(seed, 4, 5_300.0, 5, 0.5),
+            field: Fractal::new(seed, 3, size, 0.42, places),
+            coast: Fractal::new(seed, 4, 5_300.0, 0.5, places),
             sea: 0.0,
         };
-        it.sea = quantile(seed, 3, size, sea_share, |p| it.wide(p, &mut Fresh));
+        it.sea = quantile(seed, 3, size, sea_share, |p| it.wide(p, &mut Fresh::new()));
         it
     }
 
     fn wide(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
-        let bend = DVec2::new(self.bend[0].at(p, corners), self.bend[1].at(p, corners));
+        let bend = DVec2::from(self.bend.at(p, corners));
         self.field.at(p + bend * self.bend_by, corners) - self.sea
     }
 
@@ -139,19 +141,19 @@ fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
 }
 
 impl Ground {
-    fn new(seed: Seed, s: &TerrainSettings) -> Self {
+    fn new(seed: Seed, s: &TerrainSettings, places: &mut Places) -> Self {
         Self {
             settings: s.clone(),
-            continent: Continent::new(seed, s.continent_size, s.sea_share),
-            rivers: Rivers::new(seed, s.river_spacing, s.river_width),
-            plain: Fractal::new(seed, 20, 2_300.0, 2, 0.4),
-            detail: Fractal::new(seed, 21, 330.0, 4, 0.3),
-            hill: Fractal::new(seed, 22, 2_900.0, 4, 0.42),
-            hill_mask: Mask::new(seed, 23, 15_700.0, s.hill_share, 0.25),
-            mountain: Fractal::new(seed, 24, 7_900.0, 6, 0.44),
-            mountain_bend: [Octave::new(seed, 25, 3_100.0), Octave::new(seed, 26, 3_100.0)],
-            mountain_mask: Mask::new(seed, 27, 39_000.0, s.mountain_share, 0.35),
-            wood: Fractal::new(seed, 28, 2_900.0, 4, 0.65),
+            continent: Continent::new(seed, s.continent_size, s.sea_share, places),
+            rivers: Rivers::new(seed, s.river_spacing, s.river_width, places),
+            plain: Fractal::new(seed, 20, 2_300.0, 0.4, places),
+            detail: Fractal::new(seed, 21, 330.0, 0.3, places),
+            hill: Fractal::new(seed, 22, 2_900.0, 0.42, places),
+            hill_mask: Mask::new(seed, 23, 15_700.0, s.hill_share, 0.25, places),
+            mountain: Fractal::new(seed, 24, 7_900.0, 0.44, places),
+            mountain_bend: Octaves::new(seed, [(25, 3_100.0), (26, 3_100.0)], places),
+            mountain_mask: Mask::new(seed, 27, 39_000.0, s.mountain_share, 0.35, places),
+            wood: Fractal::new(seed, 28, 2_900.0, 0.65, places),
         }
     }
 
@@ -174,8 +176,7 @@ impl Ground {
         if room > 0.0 {
             mountain = self.mountain_mask.at(p, corners) * room;
             if mountain > 0.0 {
-                let bend =
-                    DVec2::new(self.mountain_bend[0].at(p, corners), self.mountain_bend[1].at(p, corners)) * 500.0;
+                let bend = DVec2::from(self.mountain_bend.at(p, corners)) * 500.0;
                 relief += s.mountain_height * mountain * (0.15 + self.mountain.ridged_at(p + bend, corners));
             }
         }
@@ -203,12 +204,14 @@ impl Ground {
 impl NoiseTerrain {
     /// The terrain of a seed. `settings` are taken as checked.
     pub fn new(seed: Seed, settings: &TerrainSettings) -> Self {
-        Self { ground: Ground::new(seed, settings), lakes: Lakes::new(seed, settings) }
+        let places = &mut Places::default();
+        let (ground, lakes) = (Ground::new(seed, settings, places), Lakes::new(seed, settings, places));
+        Self { ground, lakes, octaves: places.taken() }
     }
 
     fn sample_with(&self, p: DVec2, wooded: bool, corners: &mut impl Corners) -> TerrainSample {
         let shape = self.ground.at(p, corners);
-        let (height, water_level) = self.lakes.lay(p, &shape, corners, |q| self.ground.at(q, &mut Fresh));
+        let (height, water_level) = self.lakes.lay(p, &shape, corners, |q| self.ground.at(q, &mut Fresh::new()));
         let bare = !wooded || height < water_level;
         let vegetation = if bare { 0.0 } else { self.ground.vegetation(p, &shape, height, corners) };
         TerrainSample { height, water_level, vegetation }
@@ -217,16 +220,16 @@ impl NoiseTerrain {
 
 impl Terrain for NoiseTerrain {
     fn sample(&self, p: DVec2) -> TerrainSample {
-        self.sample_with(p, true, &mut Fresh)
+        self.sample_with(p, true, &mut Fresh::new())
     }
 
     fn scan(&self) -> Scan<'_> {
-        let mut corners = Remembered::new();
+        let mut corners = Remembered::new(self.octaves);
         Box::new(move |p| self.sample_with(p, true, &mut corners))
     }
 
     fn scan_ground(&self) -> Scan<'_> {
-        let mut corners = Remembered::new();
+        let mut corners = Remembered::new(self.octaves);
         Box::new(move |p| self.sample_with(p, false, &mut corners))
     }
 }
@@ -360,7 +363,9 @@ mod tests {
         let t = terrain(41);
         let mut found = 0;
         for cell in (-6..6).flat_map(|x| (-6..6).map(move |y| [x, y])) {
-            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q, &mut Fresh)) else { continue };
+            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q, &mut Fresh::new())) else {
+                continue;
+            };
             found += 1;
             let middle = t.sample(centre);
             assert_eq!(middle.water_level, level);

@@ -6,7 +6,7 @@
 
 #[cfg(test)]
 use super::field::Fresh;
-use super::field::{Corners, Octave};
+use super::field::{Corners, Octaves, Places, nearest, weighted};
 use crate::space::{Seed, math};
 use glam::DVec2;
 
@@ -17,24 +17,25 @@ pub(super) const BANK: f64 = 7.0;
 
 /// A coordinate in metres that grows along a heading, bent by noise.
 #[derive(Clone, Debug)]
-struct Bent {
+struct Bent<const N: usize> {
     heading: DVec2,
-    bends: Vec<(Octave, f64)>,
+    bends: Octaves<N>,
+    weights: [f64; N],
 }
 
-impl Bent {
-    fn new(seed: Seed, key: u64, heading: DVec2, spacing: f64, bends: &[(f64, f64)]) -> Self {
-        let bends = bends.iter().enumerate();
-        let octave = |(i, b): (usize, &(f64, f64))| (Octave::new(seed, key + i as u64, b.0 * spacing), b.1 * spacing);
-        Self { heading, bends: bends.map(octave).collect() }
+impl<const N: usize> Bent<N> {
+    fn new(seed: Seed, key: u64, heading: DVec2, spacing: f64, bends: [(f64, f64); N], places: &mut Places) -> Self {
+        let octaves = std::array::from_fn(|i| (key + i as u64, bends[i].0 * spacing));
+        Self { heading, bends: Octaves::new(seed, octaves, places), weights: bends.map(|b| b.1 * spacing) }
     }
 
     fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
-        p.dot(self.heading) + self.bends.iter().map(|(o, w)| o.at(p, corners) * w).sum::<f64>()
+        p.dot(self.heading) + weighted(&self.bends.at(p, corners), &self.weights)
     }
 
     fn gradient(&self, p: DVec2, corners: &mut impl Corners) -> DVec2 {
-        self.heading + self.bends.iter().map(|(o, w)| o.with_gradient(p, corners).1 * *w).sum::<DVec2>()
+        let slopes = self.bends.with_gradients(p, corners).1;
+        self.heading + DVec2::from(slopes.map(|s| weighted(&s, &self.weights)))
     }
 
     /// Metres per unit of the coordinate at `p`: turns a difference of values into a distance.
@@ -61,9 +62,9 @@ pub(super) struct Course {
 /// The courses of all rivers of a world.
 #[derive(Clone, Debug)]
 pub(super) struct Rivers {
-    across: Bent,
-    along: Bent,
-    breadth: Octave,
+    across: Bent<5>,
+    along: Bent<4>,
+    breadth: Octaves<1>,
     spacing: f64,
     tributaries: f64,
     width: (f64, f64),
@@ -71,7 +72,7 @@ pub(super) struct Rivers {
 
 /// `x` to the nearest multiple of `spacing`.
 fn fold(x: f64, spacing: f64) -> f64 {
-    x - spacing * (x / spacing).round()
+    x - spacing * nearest(x / spacing)
 }
 
 /// Height of bed and bank above the water at `distance` metres from the middle of a river.
@@ -85,16 +86,16 @@ fn channel(distance: f64, width: f64, depth: f64) -> f64 {
 }
 
 impl Rivers {
-    pub fn new(seed: Seed, spacing: f64, width: (f64, f64)) -> Self {
+    pub fn new(seed: Seed, spacing: f64, width: (f64, f64), places: &mut Places) -> Self {
         let heading = math::direction(seed.stream("terrain", &[900]).range(0.0, std::f64::consts::TAU));
         let tributaries = spacing * 0.41;
         let bends = [(0.071, 0.010), (0.24, 0.045), (0.83, 0.17), (3.7, 0.75), (11.3, 2.2)];
         let side = [(0.13, 0.020), (0.41, 0.09), (1.9, 0.5), (7.9, 2.1)];
         let turned = math::rotate(heading, std::f64::consts::FRAC_PI_2 - 0.35);
         Self {
-            across: Bent::new(seed, 910, heading, spacing, &bends),
-            along: Bent::new(seed, 920, turned, tributaries, &side),
-            breadth: Octave::new(seed, 901, spacing * 0.7),
+            across: Bent::new(seed, 910, heading, spacing, bends, places),
+            along: Bent::new(seed, 920, turned, tributaries, side, places),
+            breadth: Octaves::new(seed, [(901, spacing * 0.7)], places),
             spacing,
             tributaries,
             width,
@@ -105,17 +106,22 @@ impl Rivers {
     #[cfg(test)]
     pub fn course_near(&self, mut p: DVec2) -> Option<DVec2> {
         for _ in 0..60 {
-            let g = self.across.gradient(p, &mut Fresh);
-            let step = g * (-fold(self.across.at(p, &mut Fresh), self.spacing) / g.length_squared().max(0.05));
+            let g = self.across.gradient(p, &mut Fresh::new());
+            let step = g * (-fold(self.across.at(p, &mut Fresh::new()), self.spacing) / g.length_squared().max(0.05));
             p += step.clamp_length_max(200.0);
         }
-        (fold(self.across.at(p, &mut Fresh), self.spacing).abs() < 0.1).then_some(p)
+        (fold(self.across.at(p, &mut Fresh::new()), self.spacing).abs() < 0.1).then_some(p)
     }
 
     /// Direction of the main river's course at `p`.
     #[cfg(test)]
     pub fn direction(&self, p: DVec2) -> DVec2 {
-        self.across.gradient(p, &mut Fresh).perp().normalize()
+        self.across.gradient(p, &mut Fresh::new()).perp().normalize()
+    }
+
+    /// How wide rivers are near a point, between the least and the greatest width that they may have: 0 to 1.
+    fn breadth_at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+        0.5 + 0.7 * self.breadth.at(p, corners)[0].clamp(-0.7, 0.7)
     }
 
     /// What rivers make of the plan point `p`.
@@ -124,12 +130,11 @@ impl Rivers {
         let u = self.across.at(p, corners);
         let main = fold(u, self.spacing);
         let watershed = main.abs() * 2.0 / self.spacing;
-        let breadth = 0.5 + 0.7 * self.breadth.at(p, corners).clamp(-0.7, 0.7);
         let middle = (self.width.0 * self.width.1).sqrt();
         let (mut profile, mut distance) = (f64::INFINITY, f64::INFINITY);
         if main.abs() < near {
             distance = main.abs() * self.across.metres(p, corners);
-            let width = math::mix(middle, self.width.1, breadth);
+            let width = math::mix(middle, self.width.1, self.breadth_at(p, corners));
             profile = channel(distance, width, 1.5 + width * 0.06);
         }
 
@@ -137,8 +142,6 @@ impl Rivers {
         // Towards the watershed first the water runs dry, then the floor of the valley rises.
         let v = self.along.at(p, corners);
         let dry = math::smoothstep(0.42, 0.56, watershed);
-        let width = math::mix(self.width.0, middle, breadth * (1.0 - watershed));
-        let depth = 1.0 + width * 0.05;
         let mut gully = 1.0;
         for (bank, phase) in [(1.0, 0.0), (-1.0, 0.5)] {
             let beyond = -main * bank;
@@ -150,6 +153,8 @@ impl Rivers {
                 gully = math::smoothstep(near, 0.25 * self.tributaries, side);
             }
             if side < near && dry < 1.0 {
+                let width = math::mix(self.width.0, middle, self.breadth_at(p, corners) * (1.0 - watershed));
+                let depth = 1.0 + width * 0.05;
                 let past = if beyond > 0.0 { distance * BANK_SLOPE } else { 0.0 };
                 let lift = past + dry * (depth + BANK);
                 profile = profile.min(channel(side * self.along.metres(p, corners), width, depth) + lift);

@@ -124,7 +124,7 @@ impl<'a> Field<'a> {
     /// Closes every edge at the nodes of a disc (plan metres).
     pub fn close_disc(&mut self, centre: DVec2, radius: f64) {
         let part = Window::around(Bounds::square(centre, 2.0 * radius), self.step);
-        for node in (0..part.len()).map(|i| part.node(i)) {
+        for node in part.nodes() {
             if node_at(node, self.step).distance(centre) <= radius {
                 self.close(node, u16::MAX);
             }
@@ -140,8 +140,8 @@ impl<'a> Field<'a> {
 
     /// Closes edges at the nodes around a settlement that its site closes.
     pub fn close_site(&mut self, site: &Site) {
-        for (i, bits) in site.closed.iter().enumerate().filter(|(_, bits)| **bits != 0) {
-            self.close(site.window.node(i), *bits);
+        for (node, bits) in site.window.nodes().zip(&site.closed).filter(|(_, bits)| **bits != 0) {
+            self.close(node, *bits);
         }
     }
 

@@ -148,6 +148,7 @@ struct Work {
     control: control::Control,
     samples: LayerCache<lattice::TileKey, lattice::SampleTile>,
     pairs: LayerCache<(u8, SettlementId, SettlementId), pairs::Pair>,
+    tried: LayerCache<(SettlementId, SettlementId), pairs::Tried>,
     distances: LayerCache<(u8, SettlementId, SettlementId), pairs::Distance>,
     candidates: LayerCache<SettlementId, site::Candidates>,
     sites: LayerCache<SettlementId, site::Site>,
@@ -183,7 +184,7 @@ fn around(tile: I64Vec2, ring: i64) -> impl Iterator<Item = I64Vec2> {
 
 impl Work {
     fn new(settings: &RoadSettings, terrain: Arc<dyn Terrain>, places: Arc<dyn Places>, bytes: usize) -> Self {
-        let share = |parts: usize| bytes / 36 * parts;
+        let share = |parts: usize| bytes / 37 * parts;
         Self {
             settings: settings.clone(),
             terrain,
@@ -193,6 +194,7 @@ impl Work {
             control: control::Control::default(),
             samples: LayerCache::new(share(6)),
             pairs: LayerCache::new(share(3)),
+            tried: LayerCache::new(share(1)),
             distances: LayerCache::new(share(1)),
             candidates: LayerCache::new(share(1)),
             sites: LayerCache::new(share(4)),

@@ -30,12 +30,21 @@ const REPEL: f64 = 500.0;
 pub(super) struct Pair {
     /// Cost in metres of flat open ground, infinite where there is no way.
     pub cost: f64,
-    /// Nodes of the wide lattice.
-    pub nodes: Vec<I64Vec2>,
+    /// The way on the wide lattice in plan metres, its bends evened out; empty where there is none.
+    pub line: Vec<DVec2>,
 }
 
 /// A distance over the ground, in metres of flat open ground.
 pub(super) struct Distance(pub f64);
+
+/// Whether a pair is tried.
+pub(super) struct Tried(bool);
+
+impl Weigh for Tried {
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + 16
+    }
+}
 
 impl Weigh for Distance {
     fn bytes(&self) -> usize {
@@ -45,7 +54,7 @@ impl Weigh for Distance {
 
 impl Weigh for Pair {
     fn bytes(&self) -> usize {
-        size_of::<Self>() + self.nodes.len() * size_of::<I64Vec2>()
+        size_of::<Self>() + self.line.len() * size_of::<DVec2>()
     }
 }
 
@@ -87,7 +96,7 @@ pub(super) fn pair(
         let (from, to) = (work.centre_node(a, step), work.centre_node(b, step));
         let line = stencil_distance(to - from) * step as f64;
         if from == to {
-            return Ok(Pair { cost: length, nodes: vec![from] });
+            return Ok(Pair { cost: length, line: spine([a, b], &[from], step) });
         }
         let across = (to - from).as_dvec2().length();
         let limit = t.detour * line;
@@ -100,21 +109,19 @@ pub(super) fn pair(
             wide.edge((node, index), next, metres, OFF_BEELINE * off)
         })?;
         // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
-        Ok(found.map_or(Pair { cost: f64::INFINITY, nodes: Vec::new() }, |f| Pair {
+        Ok(found.map_or(Pair { cost: f64::INFINITY, line: Vec::new() }, |f| Pair {
             cost: f.cost * length / line,
-            nodes: f.nodes,
+            line: spine([a, b], &f.nodes, step),
         }))
     })
 }
 
-/// The way found on the wide lattice, its bends evened out.
-pub(super) fn spine(work: &Work, t: &TierSettings, a: &Settlement, b: &Settlement, wide: &Pair) -> Vec<DVec2> {
-    let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
-    let step = work.settings.step * t.wide_step;
+/// The line between two settlements along nodes of the lattice of spacing `step`, its bends evened out.
+fn spine([a, b]: [&Settlement; 2], nodes: &[I64Vec2], step: i64) -> Vec<DVec2> {
     let mut out = vec![a.centre.plan()];
     // The first and the last node are the centres themselves, rounded.
-    let inner = wide.nodes.len().saturating_sub(1).max(1);
-    out.extend(wide.nodes[1.min(wide.nodes.len())..inner.min(wide.nodes.len())].iter().map(|n| node_at(*n, step)));
+    let inner = nodes.len().saturating_sub(1).max(1);
+    out.extend(nodes[1.min(nodes.len())..inner.min(nodes.len())].iter().map(|n| node_at(*n, step)));
     out.push(b.centre.plan());
     smooth(&mut out);
     out
@@ -147,8 +154,7 @@ pub(super) fn distance(
         if !wide.cost.is_finite() {
             return Ok(Distance(f64::INFINITY));
         }
-        let spine = spine(work, t, a, b, &wide);
-        over_ground(work, tier, [a, b], work.strip(&spine, t.corridor), cancel).map(Distance)
+        over_ground(work, tier, [a, b], work.strip(&wide.line, t.corridor), cancel).map(Distance)
     })?;
     Ok(found.0)
 }
@@ -242,8 +248,7 @@ pub(super) fn repulsion(
             continue;
         }
         let part = Window::around(Bounds::square(s.centre.plan(), 2.0 * repels(&s)), step);
-        for i in 0..part.len() {
-            let node = part.node(i);
+        for node in part.nodes() {
             if window.contains(node) {
                 out[window.index(node)] += repelled(t, &s, node_at(node, step)) as f32;
             }
@@ -283,14 +288,13 @@ pub(super) fn is_tried(
     b: &Settlement,
     known: &[Arc<Settlement>],
 ) -> Result<bool, LayerError> {
-    if work.control.wants(a, b) {
-        return Ok(true);
-    }
-    let t = work.settings.tier(tier_of(a, b));
-    if hopeless(t, a, b, known) {
-        return Ok(false);
-    }
-    Ok(!hopeless(t, a, b, &within(work, a, b, HOPELESS * beeline(a, b))?))
+    let found = work.tried.get(&(a.id.min(b.id), a.id.max(b.id)), || {
+        let t = work.settings.tier(tier_of(a, b));
+        let tried = work.control.wants(a, b)
+            || !(hopeless(t, a, b, known) || hopeless(t, a, b, &within(work, a, b, HOPELESS * beeline(a, b))?));
+        Ok(Tried(tried))
+    })?;
+    Ok(found.0)
 }
 
 /// Whether the proximity rule keeps a pair.

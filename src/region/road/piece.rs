@@ -9,7 +9,7 @@ use super::{Road, Work};
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::network::{JunctionId, Street, StreetId};
 use crate::space::{
-    Bounds, Origin, closest_on_line, cut_line, line_length, math::mix, point_at, quantize, segment_crossing, segments,
+    Bounds, Measured, Origin, closest_on_line, cut_line, line_length, math::mix, quantize, segment_crossing, segments,
     stable_hash,
 };
 use glam::{DVec2, I64Vec2};
@@ -392,12 +392,13 @@ fn cut(line: &[DVec2], (from, to): (f64, f64)) -> Vec<DVec2> {
 
 /// Lengths of a line in turn over land and over water: from, to, and whether it is a bridge.
 fn parts(work: &Work, origin: Origin, line: &[DVec2]) -> Vec<((f64, f64), bool)> {
-    let length = line_length(line);
+    let line = Measured::new(line);
+    let length = line.length();
     let count = (length / (WATER_STEP * work.settings.step as f64)).ceil().max(1.0) as usize;
     let step = length / count as f64;
     let mut wet: Vec<(f64, f64)> = Vec::new();
     for i in 0..=count {
-        let (p, _) = point_at(line, i as f64 * step);
+        let p = line.point_at(i as f64 * step);
         if work.terrain.sample(origin.to_plan(p)).depth() <= 0.0 {
             continue;
         }

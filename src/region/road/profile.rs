@@ -4,7 +4,7 @@
 //! steeper, and leaves the ground no further than needed by about half. At junctions the road lies on the ground, so that
 //! all that meet there agree; a line too short for the difference of its ends is as steep as they make it.
 
-use crate::space::{Origin, line_length, math::mix, point_at};
+use crate::space::{Measured, Origin, line_length, math::mix};
 use crate::terrain::Terrain;
 use glam::DVec2;
 
@@ -28,14 +28,15 @@ impl Profile {
         runs: &[(usize, i8)],
         slope_limit: f64,
     ) -> Self {
-        let length = line_length(line);
+        let measured = Measured::new(line);
+        let length = measured.length();
         let count = (length / SPACING).ceil().max(1.0) as usize;
         let step = length / count as f64;
         let ground = |at: f64| {
             let p = match line {
                 [first, ..] if at <= 0.0 => *first,
                 [.., last] if at >= length => *last,
-                _ => point_at(line, at).0,
+                _ => measured.point_at(at),
             };
             let s = terrain.sample(origin.to_plan(p));
             if s.depth() > 0.0 { (s.water_level + OVER_WATER, true) } else { (s.height, false) }

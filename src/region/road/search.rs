@@ -39,6 +39,12 @@ impl Window {
         self.min + I64Vec2::new(index as i64 % self.size.x, index as i64 / self.size.x)
     }
 
+    /// Its nodes, by index.
+    pub fn nodes(self) -> impl Iterator<Item = I64Vec2> {
+        let end = self.min + self.size;
+        (self.min.y..end.y).flat_map(move |y| (self.min.x..end.x).map(move |x| I64Vec2::new(x, y)))
+    }
+
     pub fn len(&self) -> usize {
         (self.size.x * self.size.y) as usize
     }

@@ -218,7 +218,7 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
     let polygon = &outline.polygon;
     let margin = 0.33 * step as f64;
     let mut closed = vec![0u16; window.len()];
-    let mut close = |node: I64Vec2, heading: usize| {
+    let close = |closed: &mut [u16], node: I64Vec2, heading: usize| {
         for (node, heading) in [(node, heading), (node + STENCIL[heading], (heading + 8) % 16)] {
             if window.contains(node) {
                 closed[window.index(node)] |= 1 << heading;
@@ -237,22 +237,22 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                 let p = local(node);
                 let off = distance_to_segment(p, *a, b);
                 let node_near = off < 0.5 * step as f64;
-                for (heading, s) in STENCIL.iter().enumerate() {
+                let known = if window.contains(node) { closed[window.index(node)] } else { 0 };
+                for (heading, s) in STENCIL.iter().enumerate().filter(|(heading, _)| known >> heading & 1 == 0) {
                     let q = p + s.as_dvec2() * step as f64;
                     let passes = || Bounds::of([p, q]).overlaps(side) && segment_distance(p, q, *a, b) < margin;
                     // The other end of an edge asks for it, too.
                     let asked = || heading >= 8 && part.contains(node + *s);
                     if node_near || (!asked() && passes()) {
-                        close(node, heading);
+                        close(&mut closed, node, heading);
                     }
                 }
             }
         }
     }
-    for index in 0..window.len() {
-        let node = window.node(index);
+    for node in Window::around(outline.bounds(), step).nodes() {
         if point_in_polygon(local(node), polygon) {
-            (0..16).for_each(|heading| close(node, heading));
+            (0..16).for_each(|heading| close(&mut closed, node, heading));
         }
     }
     for tie in ties {
@@ -270,7 +270,7 @@ fn closed_edges(outline: &Outline, ties: &[Tie], window: &Window, step: i64) -> 
                         Bounds::of([p, q]).overlaps(near) && segment_distance(p, q, tie.gate, end) < TIE_CLEARANCE
                     };
                     if meets {
-                        close(node, heading);
+                        close(&mut closed, node, heading);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::control::Terms;
 use super::lattice::{STENCIL, Samples, cost_over_water, node_at, node_near, stencil_distance};
-use super::pairs::{ellipse_bounds, pair, repulsion, smooth, spine};
+use super::pairs::{ellipse_bounds, pair, repulsion, smooth};
 use super::search::{Task, Window, search};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError};
@@ -40,7 +40,7 @@ impl<'a> Wide<'a> {
         let terms: Terms = work.control.terms(tier, bounds);
         let mut extra = repulsion(work, t, tier, pair, &window, step)?;
         if !terms.is_empty() {
-            extra.iter_mut().enumerate().for_each(|(i, e)| *e += terms.at(node_at(window.node(i), step)) as f32);
+            extra.iter_mut().zip(window.nodes()).for_each(|(e, node)| *e += terms.at(node_at(node, step)) as f32);
         }
         let samples = Samples::new(&work.samples, &*work.terrain, step, &window);
         Ok(Self { window, least: terms.least(), t, step, samples, extra, ellipse: (foci, limit) })
@@ -88,7 +88,7 @@ pub(super) fn way(
         return Ok(Some(led));
     }
     let wide = pair(work, tier, a, b, cancel)?;
-    Ok(wide.cost.is_finite().then(|| spine(work, work.settings.tier(tier), a, b, &wide)))
+    Ok(wide.cost.is_finite().then(|| wide.line.clone()))
 }
 
 /// The line through points, within the ellipse of the pair. However dear it is, the user wants it.

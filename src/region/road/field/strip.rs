@@ -2,7 +2,7 @@
 
 use crate::region::road::lattice::{DIRECTIONS, STENCIL, node_at};
 use crate::region::road::search::Window;
-use crate::space::{Bounds, distance_to_segment, segments};
+use crate::space::{Bounds, closest_on_segment, segments};
 use glam::{DVec2, I64Vec2};
 
 /// No slot.
@@ -30,29 +30,35 @@ impl Strip {
         // Three nodes more on each side than edges of the stencil reach.
         let bounds = Bounds::of(line.iter().copied()).grown(width + 3.0 * step as f64);
         let window = Window::around(bounds, step);
-        let mut off = vec![f32::INFINITY; window.len()];
+        let (low, high) = range.unwrap_or((window.min, window.min + window.size - 1));
+        // Squares of distances from the line.
+        let mut apart = vec![f64::INFINITY; window.len()];
         for (a, b) in segments(line) {
             let part = Window::around(Bounds::of([a, b]).grown(width), step);
-            for i in 0..part.len() {
-                let node = part.node(i);
-                let allowed = range.is_none_or(|(low, high)| node.cmpge(low).all() && node.cmple(high).all());
-                if allowed && window.contains(node) {
-                    let distance = distance_to_segment(node_at(node, step), a, b);
-                    if distance <= width {
-                        let held = &mut off[window.index(node)];
-                        *held = held.min(distance as f32);
-                    }
-                }
+            for node in part.nodes().filter(|n| n.cmpge(low).all() && n.cmple(high).all() && window.contains(*n)) {
+                let at = node_at(node, step);
+                let held = &mut apart[window.index(node)];
+                *held = held.min(at.distance_squared(closest_on_segment(at, a, b).1));
             }
         }
-        let inside: Vec<usize> = (0..window.len()).filter(|i| off[*i].is_finite()).collect();
-        let mut slots = vec![NONE; window.len()];
-        for (slot, i) in inside.iter().enumerate() {
-            slots[*i] = slot as u32;
+        let mut out = Self {
+            slots: vec![NONE; window.len()],
+            places: Vec::new(),
+            shifts: STENCIL.map(|s| (s.y * window.size.x + s.x) as isize),
+            nodes: Vec::new(),
+            off: Vec::new(),
+            window,
+        };
+        for (i, (node, squared)) in window.nodes().zip(apart).enumerate() {
+            let off = squared.sqrt();
+            if off <= width {
+                out.slots[i] = out.nodes.len() as u32;
+                out.places.push(i);
+                out.nodes.push(node);
+                out.off.push(off as f32);
+            }
         }
-        let nodes = inside.iter().map(|i| window.node(*i)).collect();
-        let shifts = STENCIL.map(|s| (s.y * window.size.x + s.x) as isize);
-        Self { off: inside.iter().map(|i| off[*i]).collect(), window, slots, places: inside, shifts, nodes }
+        out
     }
 
     /// Slot of a node, if it is inside.

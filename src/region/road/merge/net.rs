@@ -86,24 +86,24 @@ impl Net {
         let plan = tile_bounds(tile, work.settings.step);
         let origin = Origin::at(plan.min);
         let mut nodes: Vec<Node> = Vec::new();
-        let mut index: BTreeMap<Key, usize> = BTreeMap::new();
         let node = |key, place: Place| {
             let at = place.local_to(origin);
             Node { key, place, at, ways: Vec::new(), best: None }
         };
         let mut all: Vec<_> = graphs.iter().flat_map(|g| &g.vertices).collect();
         all.sort_by_key(|(k, _)| **k);
-        for (key, v) in &all {
-            index.insert(**key, nodes.len());
-            nodes.push(node(**key, v.place));
-        }
+        let keys: Vec<Key> = all.iter().map(|(key, _)| **key).collect();
+        nodes.extend(all.iter().map(|(key, v)| node(**key, v.place)));
+        // Vertices outside of these tiles that ways lead to.
+        let mut beyond: BTreeMap<Key, usize> = BTreeMap::new();
         let mut edges: Vec<Edge> = Vec::new();
-        for (key, v) in &all {
+        for (a, (key, v)) in all.iter().enumerate() {
             for way in &v.ways {
-                let a = index[*key];
-                let b = *index.entry(way.to).or_insert_with(|| {
-                    nodes.push(node(way.to, way.place));
-                    nodes.len() - 1
+                let b = keys.binary_search(&way.to).unwrap_or_else(|_| {
+                    *beyond.entry(way.to).or_insert_with(|| {
+                        nodes.push(node(way.to, way.place));
+                        nodes.len() - 1
+                    })
                 });
                 // Each once, from its first end, or from the only one that is in these tiles.
                 if **key < way.to || b >= all.len() {
