@@ -44,7 +44,8 @@ pub struct MainRules {
     pub deviation: f64,
     /// Least length.
     pub min_length: f64,
-    /// Least and greatest number of streets at a junction.
+    /// Least and greatest number of streets at a junction. With at most 2, a street runs through from gate to gate, and those of
+    /// other gates join it.
     pub degree: (u32, u32),
     /// Least angle between two streets at a junction.
     pub min_angle_deg: f64,

@@ -257,6 +257,34 @@ fn patches_make_half_of_the_streets() {
 }
 
 #[test]
+fn rounding_takes_sharp_bends_and_leaves_ends_where_they_are() {
+    let mut kits = Kit::all();
+    let sharp = |out: &CellStreets| {
+        let turns = |s: &Street| s.line.windows(3).filter(|w| angle_between(w[1] - w[0], w[2] - w[1]) > 0.3).count();
+        out.streets.iter().map(|s| turns(&s.street)).sum::<usize>()
+    };
+    let (mut before, mut after) = (0, 0);
+    for kit in &mut kits {
+        for seed in 0..20 {
+            kit.style.local.rounding = 0.0;
+            let plain = fill(&Sample::new(seed, std::slice::from_ref(kit)));
+            kit.style.local.rounding = 26.0;
+            let round = fill(&Sample::new(seed, std::slice::from_ref(kit)));
+            assert_eq!(plain.junctions, round.junctions);
+            let ends = |out: &CellStreets| -> Vec<_> {
+                out.streets
+                    .iter()
+                    .map(|s| (s.street.id, s.street.line[0], s.street.line[s.street.line.len() - 1]))
+                    .collect()
+            };
+            assert_eq!(ends(&plain), ends(&round));
+            (before, after) = (before + sharp(&plain), after + sharp(&round));
+        }
+    }
+    assert!(before > 50 && after * 4 < before, "{before} sharp bends, {after} after rounding");
+}
+
+#[test]
 fn cancelling_stops() {
     let kits = Kit::all();
     let cancel = Cancel::new();
