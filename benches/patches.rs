@@ -184,7 +184,8 @@ fn main() {
         println!("{km2:>3} {ms:>9.1} {:>7.2}", ms / km2);
     }
     println!("\npatches    ms  (4 km2)");
-    for count in [all.len() / 8, all.len() / 4, all.len() / 2, all.len()] {
+    // 98 are as many as the paper's.
+    for count in [all.len() / 8, all.len() / 4, all.len() / 2, 98.min(all.len()), all.len()] {
         // Every so-manieth, so that each set is drawn from alike.
         let some = (0..count).map(|i| all[i * all.len() / count].clone()).collect();
         let (ms, _) = timed(&town, &style, &PatchDatabase::of(some), 5);

@@ -3,24 +3,52 @@
 use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A pair of connectable vertices of one of the patches, with the headings of the streets at both ends.
+/// A way through one of the patches, as it is drawn or mirrored, from one connectable vertex to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairEntry {
+pub struct Passage {
     /// Straight distance between the two, in metres.
     pub distance: f64,
     /// Index into [`PatchDatabase::patches`].
     pub patch: usize,
-    /// Index into [`Patch::pairs`].
-    pub pair: usize,
-    /// Angle from the straight line a to b to the direction in which the street leaves `a`, in radians, counter-clockwise
-    /// positive, -pi..=pi; 0 when it heads for `b`.
+    /// Index into [`Patch::connectables`] of the first.
+    pub from: usize,
+    /// Index into [`Patch::connectables`] of the last.
+    pub to: usize,
+    /// Whether the patch is mirrored.
+    pub mirrored: bool,
+    /// Angle from the straight line between the two to the direction in which the street leaves the first, in radians,
+    /// counter-clockwise positive, -pi..=pi; 0 when it heads for the last.
     pub leaves: f64,
-    /// Angle from the straight line a to b to the direction in which the street arrives at `b`, likewise; 0 when it comes
-    /// straight from `a`.
+    /// Angle from the straight line to the direction in which the street arrives at the last, likewise; 0 when it comes
+    /// straight from the first.
     pub arrives: f64,
 }
+
+impl Passage {
+    /// Those of a patch: for each pair of connectable vertices four.
+    fn of(patch: &Patch, index: usize) -> impl Iterator<Item = Self> + '_ {
+        let passage = move |from: usize, to: usize, distance: f64, mirrored: bool| {
+            let (a, b) = (patch.connectables[from], patch.connectables[to]);
+            let chord = patch.vertices[b.vertex] - patch.vertices[a.vertex];
+            let sign = if mirrored { -1.0 } else { 1.0 };
+            let (leaves, arrives) = (sign * turn(chord, a.inward), sign * turn(chord, -b.inward));
+            Self { distance, patch: index, from, to, mirrored, leaves, arrives }
+        };
+        let both_ways = patch.pairs.iter().flat_map(|p| [(p.a, p.b, p.distance), (p.b, p.a, p.distance)]);
+        both_ways.flat_map(move |(from, to, d)| [false, true].map(|mirrored| passage(from, to, d, mirrored)))
+    }
+
+    /// Number of the drawers for a heading at one of the ends.
+    fn drawer(heading: f64) -> usize {
+        (((heading + PI) / TAU * DRAWERS as f64) as usize).min(DRAWERS - 1)
+    }
+}
+
+/// Passages are kept in so many drawers by the heading in which they leave, and as many by that in which they arrive.
+const DRAWERS: usize = 16;
 
 /// A pattern with its element.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,8 +96,8 @@ pub struct PatchDatabase {
     /// By patch.
     facts: Vec<PatchFacts>,
     patterns: Vec<PatternEntry>,
-    /// By distance, then patch, then pair.
-    pairs: Vec<PairEntry>,
+    /// By the headings in which they leave and arrive, then by distance, then by patch and its pairs.
+    passages: Vec<Vec<Passage>>,
     /// Indices of patches by radius, then index.
     by_radius: Vec<usize>,
     /// Indices of patches in order, by tag.
@@ -100,12 +128,12 @@ impl PatchDatabase {
 
     /// The given patches, without patterns.
     pub fn of(patches: Vec<Arc<Patch>>) -> Self {
-        let mut pairs: Vec<PairEntry> = patches
-            .iter()
-            .enumerate()
-            .flat_map(|(i, p)| (0..p.pairs.len()).map(move |j| pair_entry(p, i, j)))
-            .collect();
-        pairs.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.patch, x.pair).cmp(&(y.patch, y.pair))));
+        let mut passages = vec![Vec::new(); DRAWERS * DRAWERS];
+        for passage in patches.iter().enumerate().flat_map(|(i, p)| Passage::of(p, i)) {
+            let drawer = Passage::drawer(passage.leaves) * DRAWERS + Passage::drawer(passage.arrives);
+            passages[drawer].push(passage);
+        }
+        passages.iter_mut().for_each(|drawer| drawer.sort_by(|x, y| x.distance.total_cmp(&y.distance)));
         let mut by_radius: Vec<usize> = (0..patches.len()).collect();
         by_radius.sort_by(|a, b| patches[*a].radius.total_cmp(&patches[*b].radius).then(a.cmp(b)));
         let mut by_tag: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -115,21 +143,30 @@ impl PatchDatabase {
             }
         }
         let facts = patches.iter().map(|p| PatchFacts::of(p)).collect();
-        Self { patches, facts, patterns: Vec::new(), pairs, by_radius, by_tag }
+        Self { patches, facts, patterns: Vec::new(), passages, by_radius, by_tag }
     }
 
-    /// (patch, pair) indices of all pairs of connectable vertices `distance` metres apart, give or take `tolerance`.
-    /// The same as [`pair_entries_near`](Self::pair_entries_near), copied.
-    pub fn pairs_near(&self, distance: f64, tolerance: f64) -> Vec<(usize, usize)> {
-        self.pair_entries_near(distance, tolerance).iter().map(|e| (e.patch, e.pair)).collect()
-    }
-
-    /// All pairs of connectable vertices `distance` metres apart, give or take `tolerance`, shortest first. O(log c).
-    pub fn pair_entries_near(&self, distance: f64, tolerance: f64) -> &[PairEntry] {
-        let from = self.pairs.partition_point(|e| e.distance < distance - tolerance);
-        let to = self.pairs.partition_point(|e| e.distance <= distance + tolerance);
-        // Empty, not out of order, for a negative tolerance.
-        self.pairs.get(from..to).unwrap_or_default()
+    /// All passages between vertices `distance` metres apart, give or take `tolerance`, that leave and arrive at `headings`,
+    /// give or take `most` radians. O(log c) and
+    /// as many as head about so.
+    pub fn passages_near(
+        &self,
+        distance: f64,
+        tolerance: f64,
+        headings: [f64; 2],
+        most: f64,
+    ) -> impl Iterator<Item = &Passage> {
+        let drawers = |heading: f64| Passage::drawer(heading - most)..=Passage::drawer(heading + most);
+        let (leaves, arrives) = (drawers(headings[0]), drawers(headings[1]));
+        let in_drawer = move |drawer: &'_ Vec<Passage>| {
+            let from = drawer.partition_point(|e| e.distance < distance - tolerance);
+            // Not out of order for a negative tolerance.
+            from..drawer.partition_point(|e| e.distance <= distance + tolerance).max(from)
+        };
+        let drawers = leaves
+            .flat_map(move |row| &self.passages[row * DRAWERS + *arrives.start()..=row * DRAWERS + *arrives.end()]);
+        let near = drawers.flat_map(move |drawer| &drawer[in_drawer(drawer)]);
+        near.filter(move |p| (p.leaves - headings[0]).abs() <= most && (p.arrives - headings[1]).abs() <= most)
     }
 
     /// Indices of the patches whose bounding circle has a radius of at most `radius` metres, smallest first. O(log p).
@@ -158,23 +195,11 @@ impl PatchDatabase {
     }
 }
 
-fn pair_entry(patch: &Patch, index: usize, pair: usize) -> PairEntry {
-    let ends = patch.pairs[pair];
-    let (a, b) = (patch.connectables[ends.a], patch.connectables[ends.b]);
-    let chord = patch.vertices[b.vertex] - patch.vertices[a.vertex];
-    PairEntry {
-        distance: ends.distance,
-        patch: index,
-        pair,
-        leaves: turn(chord, a.inward),
-        arrives: turn(chord, -b.inward),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::space::Seed;
+    use glam::DVec2;
 
     /// A set of many random trees with two to five ends.
     fn random_set(seed: u64) -> PatchSet {
@@ -213,16 +238,21 @@ mod tests {
             assert_eq!(db.patterns()[3].element, 68);
             let mut s = Seed(seed).stream("query", &[]);
             let (distance, tolerance) = (s.range(20.0, 240.0), s.range(0.0, 20.0));
-            let mut all = Vec::new();
-            for (i, p) in db.patches.iter().enumerate() {
-                let near = |j: &usize| (p.pairs[*j].distance - distance).abs() <= tolerance;
-                all.extend((0..p.pairs.len()).filter(near).map(|j| (i, j)));
-            }
-            let mut found = db.pairs_near(distance, tolerance);
-            found.sort_unstable();
+            let (headings, most) = ([s.range(-3.0, 3.0), s.range(-3.0, 3.0)], s.range(0.1, 2.0));
+            let near = |p: &Passage| {
+                (p.distance - distance).abs() <= tolerance
+                    && (p.leaves - headings[0]).abs() <= most
+                    && (p.arrives - headings[1]).abs() <= most
+            };
+            let all = db.patches.iter().enumerate().flat_map(|(i, p)| Passage::of(p, i)).filter(near);
+            let mut found: Vec<Passage> = db.passages_near(distance, tolerance, headings, most).copied().collect();
+            found.sort_by_key(|p| (p.patch, p.from.min(p.to), p.from.max(p.to), p.from > p.to, p.mirrored));
+            let mut all: Vec<Passage> = all.collect();
+            all.sort_by_key(|p| (p.patch, p.from.min(p.to), p.from.max(p.to), p.from > p.to, p.mirrored));
             assert_eq!(found, all);
-            assert!(db.pair_entries_near(distance, tolerance).is_sorted_by(|x, y| x.distance <= y.distance));
-            assert!(db.pairs_near(distance, -1.0).is_empty() && db.pairs_near(f64::NAN, 1.0).is_empty());
+            let none =
+                |distance: f64, tolerance: f64| db.passages_near(distance, tolerance, [0.0; 2], 9.0).count() == 0;
+            assert!(none(distance, -1.0) && none(f64::NAN, 1.0));
 
             for (i, p) in db.patches.iter().enumerate() {
                 assert_eq!(db.facts(i).dead_ends.is_empty(), !p.tags.contains("cul-de-sac"));
@@ -238,13 +268,15 @@ mod tests {
     #[test]
     fn headings_place_a_pair_between_two_points() {
         let db = PatchDatabase::new(&[&random_set(5)], &[], &[]);
-        for entry in db.pair_entries_near(0.0, 1000.0) {
-            let patch = &db.patches[entry.patch];
-            let ends = patch.pairs[entry.pair];
-            let (a, b) = (patch.connectables[ends.a], patch.connectables[ends.b]);
-            let chord = (patch.vertices[b.vertex] - patch.vertices[a.vertex]).normalize();
-            assert!(crate::space::math::rotate(chord, entry.leaves).distance(a.inward) < 1e-9);
-            assert!(crate::space::math::rotate(chord, entry.arrives).distance(-b.inward) < 1e-9);
+        let all: Vec<&Passage> = db.passages_near(0.0, 1000.0, [0.0; 2], 9.0).collect();
+        assert_eq!(all.len(), 4 * db.patches.iter().map(|p| p.pairs.len()).sum::<usize>());
+        for passage in all {
+            let patch = &db.patches[passage.patch];
+            let side = if passage.mirrored { DVec2::new(1.0, -1.0) } else { DVec2::ONE };
+            let (a, b) = (patch.connectables[passage.from], patch.connectables[passage.to]);
+            let chord = ((patch.vertices[b.vertex] - patch.vertices[a.vertex]) * side).normalize();
+            assert!(crate::space::math::rotate(chord, passage.leaves).distance(a.inward * side) < 1e-9);
+            assert!(crate::space::math::rotate(chord, passage.arrives).distance(-b.inward * side) < 1e-9);
         }
     }
 

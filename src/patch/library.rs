@@ -121,7 +121,8 @@ fn styles_are_sound_and_have_patches_for_every_need() {
         assert!(db.tagged(tag::INITIAL).len() >= 3, "{name} has {} initial patches", db.tagged(tag::INITIAL).len());
         // Something to bridge any gap from a short block to a long one.
         for distance in [60.0, 80.0, 100.0, 120.0, 140.0] {
-            assert!(!db.pairs_near(distance, style.local.snap_radius).is_empty(), "{name}: nothing of {distance} m");
+            let mut near = db.passages_near(distance, style.local.snap_radius, [0.0; 2], 9.0);
+            assert!(near.next().is_some(), "{name}: nothing of {distance} m");
         }
         assert!(style.exclude.iter().all(|t| sets.values().any(|s| s.patches.iter().any(|p| p.tags.contains(t)))));
     }

@@ -60,10 +60,10 @@ mod shape;
 mod sheet;
 pub mod tag;
 
-pub use database::{PairEntry, PatchDatabase, PatchFacts, PatternEntry};
+pub use database::{Passage, PatchDatabase, PatchFacts, PatternEntry};
 pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
 pub(crate) use shape::keeps_rules;
-pub use shape::{LEAST_ARM, PatchShape, PatchView, STREET_FLOOR, STRETCH};
+pub use shape::{ArmSample, LEAST_ARM, PatchShape, PatchView, SECTORS, STREET_FLOOR, STRETCH};
 #[cfg(feature = "cli")]
 pub use sheet::draw_sheet;

@@ -2,8 +2,9 @@
 //! keep the distances that a filler keeps.
 
 use crate::patch::{Connectable, Patch};
-use crate::space::segment_distance;
-use glam::DVec2;
+use crate::space::{line_length, math, point_at, segment_distance, segments};
+use glam::{DVec2, Vec2, Vec4};
+use std::f64::consts::TAU;
 
 /// Least distance between streets that share no junction, in metres.
 pub const STREET_FLOOR: f64 = 14.5;
@@ -16,6 +17,9 @@ pub const LEAST_ARM: f64 = 22.0;
 
 /// Greatest distance between two samples along an edge.
 const SAMPLE: f64 = 12.0;
+
+/// Greatest distance between two samples along the part of an arm that may be cut back.
+const ARM_SAMPLE: f64 = 6.0;
 
 /// The geometry of a patch, taken apart. Main streets are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +53,7 @@ impl PatchShape {
         let at = |v: usize| patch.vertices[v];
         let roots = (0..n).filter(|v| on_main(*v) && around[*v].len() == 1);
         let ends: Vec<usize> = patch.connectables.iter().map(|c| c.vertex).chain(roots).collect();
-        for end in ends {
+        for &end in &ends {
             shape.is_end[end] = true;
             let (mut v, mut arm, mut edge) = (end, vec![end], around[end][0]);
             loop {
@@ -65,7 +69,7 @@ impl PatchShape {
             arm.reverse();
             let mut along = 0.0;
             // A street between two ends may be cut back from either.
-            let fixed = if around[arm[0]].len() == 1 { &[][..] } else { &arm[..] };
+            let fixed = if ends.contains(&arm[0]) { &[][..] } else { &arm[..] };
             for w in fixed.windows(2) {
                 let length = at(w[0]).distance(at(w[1]));
                 shape.samples.push(at(w[0]).lerp(at(w[1]), ((LEAST_ARM - along) / length).clamp(0.0, 1.0)));
@@ -90,12 +94,33 @@ impl PatchShape {
     }
 }
 
+/// Number of sectors that the surroundings of a vertex are told apart by.
+pub const SECTORS: usize = 16;
+
 /// A patch as seen from one of its connectable vertices: from there, x is the direction in which the street enters the
-/// patch.
+/// patch. In single precision, since it is held against what is known coarsely.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchView {
-    /// [`PatchShape::samples`] with their distances from there, the farthest first.
-    pub samples: Vec<(DVec2, f64)>,
+    /// [`PatchShape::samples`], and more on what leads from there to the rest, with their distances from there, the farthest
+    /// first.
+    pub samples: Vec<(Vec2, f32)>,
+    /// The other [`PatchShape::arms`].
+    pub arms: Vec<Vec<ArmSample>>,
+    /// The greatest distance of a sample in each sector, the middle of the first of which is x, counter-clockwise.
+    pub reach: [Vec4; SECTORS / 4],
+}
+
+/// A point on the part of an arm that may be cut back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmSample {
+    /// Where it lies.
+    pub at: Vec2,
+    /// Unit direction of the arm there, outwards.
+    pub heading: Vec2,
+    /// Distance from where the arm begins.
+    pub along: f32,
+    /// Distance from where its straight edge begins.
+    pub back: f32,
 }
 
 impl PatchView {
@@ -103,10 +128,40 @@ impl PatchView {
         let start = patch.vertices[from.vertex];
         let x = from.inward / from.inward.length_squared();
         let seen = |p: DVec2| DVec2::new(x.dot(p - start), x.perp_dot(p - start));
-        let mut samples: Vec<(DVec2, f64)> = shape.samples.iter().map(|p| (seen(*p), p.distance(start))).collect();
-        samples.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Self { samples }
+        let is_own = |arm: &&Vec<usize>| arm[arm.len() - 1] == from.vertex;
+        let line = |arm: &Vec<usize>| arm.iter().map(|v| seen(patch.vertices[*v])).collect::<Vec<_>>();
+        let own = shape.arms.iter().filter(is_own).filter(|arm| !shape.is_end[arm[0]]).map(line);
+        let own = own.flat_map(|arm| samples_along(&arm, 0.0, SAMPLE)).map(|s| s.at.as_dvec2());
+        let mut all: Vec<DVec2> = shape.samples.iter().map(|p| seen(*p)).chain(own).collect();
+        all.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
+        all.dedup();
+        let mut view = Self::default();
+        for p in &all {
+            let sector = math::angle_of(*p) * SECTORS as f64 / TAU;
+            let sector = (sector.round() as i32).rem_euclid(SECTORS as i32) as usize;
+            let reach = &mut view.reach[sector / 4][sector % 4];
+            *reach = reach.max(p.length() as f32);
+        }
+        view.samples = all.into_iter().map(|p| (p.as_vec2(), p.length() as f32)).collect();
+        let others = shape.arms.iter().filter(|arm| !is_own(arm)).map(line);
+        view.arms = others.map(|arm| samples_along(&arm, LEAST_ARM, ARM_SAMPLE)).collect();
+        view
     }
+}
+
+/// Points along a line, no more than `step` apart, the first `from` metres after its beginning, the last at its end.
+fn samples_along(line: &[DVec2], from: f64, step: f64) -> Vec<ArmSample> {
+    let length = line_length(line);
+    let parts = ((length - from) / step).ceil().max(0.0) as usize;
+    let sample = |k: usize| {
+        let along = length - (length - from) * k as f64 / parts.max(1) as f64;
+        let (at, heading) = point_at(line, along);
+        let begins =
+            segments(line).map(|(a, b)| a.distance(b)).scan(0.0, |sum, l| Some(std::mem::replace(sum, *sum + l)));
+        let back = along - begins.take_while(|begin| *begin < along).last().unwrap_or(0.0);
+        ArmSample { at: at.as_vec2(), heading: heading.as_vec2(), along: along as f32, back: back as f32 }
+    };
+    (0..=parts).rev().map(sample).collect()
 }
 
 /// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.

@@ -8,7 +8,7 @@ use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::seam::{CellPort, STUB_LENGTH};
 use crate::space::{Bounds, quantize};
 use crate::streets::{CellBrief, MadeBy};
-use glam::DVec2;
+use glam::{DVec2, Vec2};
 
 /// Least distance between a street's pavement and that of a border street, in metres.
 pub(super) const WALL_MARGIN: f64 = 4.0;
@@ -37,6 +37,16 @@ pub(super) struct Wall {
     floor: f64,
 }
 
+/// Where an edge was divided.
+#[derive(Clone, Copy)]
+struct Division {
+    at: DVec2,
+    /// From its first end to its last.
+    along: DVec2,
+    /// The first of its parts; the next edge is the other.
+    first: EdgeIx,
+}
+
 /// The growing graph of a cell.
 pub(super) struct Canvas {
     /// Local streets.
@@ -48,6 +58,8 @@ pub(super) struct Canvas {
     walls: Vec<Wall>,
     /// Boxes of the walls and after them of the edges, by index; those of removed edges may stay.
     hulls: Vec<Hull>,
+    /// By edge, where it was divided.
+    divisions: Vec<Option<Division>>,
     /// Whether the streets at the ports are stamped.
     knows_stubs: bool,
     /// Walls and edges by place, numbered likewise.
@@ -71,12 +83,13 @@ impl Canvas {
             .filter(|w| w.a != w.b)
             .collect();
         let mut free = FreeGrid::new(brief.border, asked);
-        walls.iter().for_each(|w| free.stamp(w.a, w.b));
+        walls.iter().enumerate().for_each(|(i, w)| free.stamp(i, w.a, w.b));
         let graph = PlanarGraph::without_index();
         let hulls = walls.iter().map(|w| Hull::new(w.a, w.b, origin)).collect();
         let mut squares = Squares::new(Bounds::of(brief.border.iter().copied()));
         walls.iter().for_each(|w| squares.add(w.a, w.b));
-        let mut canvas = Self { graph, nodes: Vec::new(), free, walls, hulls, knows_stubs: false, squares, origin };
+        let (nodes, divisions, knows_stubs) = (Vec::new(), Vec::new(), false);
+        let mut canvas = Self { graph, nodes, free, walls, hulls, divisions, knows_stubs, squares, origin };
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
@@ -102,6 +115,7 @@ impl Canvas {
             let (a, b) = self.graph.segment(edge as EdgeIx);
             self.hulls.push(Hull::new(a, b, self.origin));
             self.squares.add(a, b);
+            self.divisions.push(None);
         }
     }
 
@@ -109,18 +123,21 @@ impl Canvas {
     pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
-        self.free.stamp(self.graph.at(a), self.graph.at(b));
+        self.free.stamp(self.hulls.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
     /// Puts a vertex at `p` on an edge, or on the part of it that is still there.
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
         let edge = if self.graph.is_live(edge) { edge } else { self.graph.nearest_edge(p, 0.5, |_| false)?.0 };
-        let ends = self.graph.edge(edge);
+        let ends = self.graph.edge(edge).clone();
         let pinned = [ends.a, ends.b].into_iter().all(|v| self.nodes[v as usize].pinned);
+        let along = self.graph.at(ends.b) - self.graph.at(ends.a);
+        let first = self.graph.edge_count() as EdgeIx;
         let v = self.graph.split_edge(edge, p);
         if !self.graph.is_live(edge) {
             self.hulls[self.walls.len() + edge as usize] = Hull::NOWHERE;
+            self.divisions[edge as usize] = Some(Division { at: p, along, first });
         }
         self.index_edges();
         while self.nodes.len() < self.graph.vertex_count() {
@@ -164,10 +181,22 @@ impl Canvas {
 
     /// Tells the coarse grid of the streets at the ports.
     pub fn stamp_stubs(&mut self, ports: &[CellPort]) {
-        for port in ports {
-            self.free.stamp(port.at, port.at + port.inward * STUB_LENGTH);
+        for (i, port) in ports.iter().enumerate() {
+            let edge = self.graph.edges_at(i as VertexIx).first().copied().unwrap_or_default();
+            self.free.stamp(self.walls.len() + edge as usize, port.at, port.at + port.inward * STUB_LENGTH);
         }
         self.knows_stubs = true;
+    }
+
+    /// About the obstacle that is nearest to a place [counted in squares](FreeGrid::in_squares); `None` where that is no
+    /// longer there.
+    pub fn nearest(&self, square: Vec2) -> Option<Seg> {
+        let mut number = self.free.nearest_at_square(square)?;
+        while let Some(&Some(d)) = self.divisions.get(number.wrapping_sub(self.walls.len())) {
+            let first = (self.free.place(square) - d.at).dot(d.along) < 0.0;
+            number = self.walls.len() + d.first as usize + usize::from(!first);
+        }
+        self.obstacle(number)
     }
 
     /// The wall or edge of this number among the obstacles; `None` for an edge that was removed.

@@ -2,10 +2,13 @@
 //! nanoseconds, before anything exact is computed.
 
 use crate::space::Bounds;
-use glam::DVec2;
+use glam::{DVec2, Vec2, Vec4};
 
 /// Edge of a grid square, in metres.
-const STEP: f64 = 6.0;
+pub(super) const STEP: f64 = 6.0;
+
+/// Squares that are done at once.
+const LANES: usize = 4;
 
 /// Greatest difference between the room at a point and at the middle of its square.
 const SLACK: f64 = STEP * 0.71;
@@ -15,11 +18,15 @@ const SLACK: f64 = STEP * 0.71;
 /// This is the approximation of the work area that Teng 2017, section 3.3, filters patches with.
 pub(super) struct FreeGrid {
     origin: DVec2,
-    columns: usize,
+    /// The numbers of columns and rows.
+    size: Vec2,
     rows: usize,
-    /// The numbers of columns and rows once more.
-    size: DVec2,
+    /// Squares from one row to the next, a multiple of [`LANES`]; what is beyond the last column is as outside.
+    stride: usize,
     room: Vec<f32>,
+    /// Number of the obstacle that this is the distance to; whole numbers, so that they are chosen together with the
+    /// distances.
+    nearest: Vec<f32>,
     cap: f64,
 }
 
@@ -31,8 +38,9 @@ impl FreeGrid {
         let cap = (asked - SLACK).max(0.0) + 0.1;
         let bounds = Bounds::of(border.iter().copied());
         let size = ((bounds.size() / STEP).ceil() + 1.0).max(DVec2::ONE);
-        let (columns, rows) = (size.x as usize, size.y as usize);
-        let mut room = vec![0.0; columns * rows];
+        let (size, columns, rows) = (size.as_vec2(), size.x as usize, size.y as usize);
+        let stride = columns.next_multiple_of(LANES);
+        let mut room = vec![0.0; stride * rows];
         let mut crossings: Vec<f64> = Vec::new();
         for row in 0..rows {
             let y = bounds.min.y + (row as f64 + 0.5) * STEP;
@@ -46,87 +54,108 @@ impl FreeGrid {
             crossings.sort_by(f64::total_cmp);
             for pair in crossings.chunks_exact(2) {
                 let column = |x: f64| (((x - bounds.min.x) / STEP + 0.5).floor().max(0.0) as usize).min(columns);
-                room[row * columns + column(pair[0])..row * columns + column(pair[1])].fill((cap * cap) as f32);
+                room[row * stride + column(pair[0])..row * stride + column(pair[1])].fill((cap * cap) as f32);
             }
         }
-        Self { origin: bounds.min, columns, rows, size: DVec2::new(columns as f64, rows as f64), room, cap }
+        let nearest = vec![0.0; room.len()];
+        Self { origin: bounds.min, size, rows, stride, room, nearest, cap }
     }
 
-    /// Takes the segment `a`-`b` into account.
-    pub fn stamp(&mut self, a: DVec2, b: DVec2) {
+    /// Takes the obstacle `number`, the segment `a`-`b`, into account.
+    pub fn stamp(&mut self, number: usize, a: DVec2, b: DVec2) {
         let low = ((a.min(b) - self.cap - self.origin) / STEP).floor().max(DVec2::ZERO);
         let high = ((a.max(b) + self.cap - self.origin) / STEP).ceil().max(DVec2::ZERO);
-        let (x0, x1) = (low.x as usize, (high.x as usize).min(self.columns));
+        let (x0, x1) = (low.x as usize / LANES, (high.x as usize).div_ceil(LANES).min(self.stride / LANES));
         let (y0, y1) = (low.y as usize, (high.y as usize).min(self.rows));
-        // Single precision, without branches, so that several squares are done at once; the slack hides the rounding.
+        // Single precision, several squares at once; the slack hides the rounding.
         let ab = (b - a).as_vec2();
-        let per_length = 1.0 / ab.length_squared().max(1e-6);
+        let along = ab / ab.length_squared().max(1e-6);
         let corner = (self.origin + 0.5 * STEP - a).as_vec2();
+        let number = Vec4::splat(number as f32);
         for y in y0..y1 {
             let py = corner.y + y as f32 * STEP as f32;
-            let row = y * self.columns;
-            // Numbers of 32 bits become floats several at once.
-            for (x, cell) in (x0 as i32..x1 as i32).zip(&mut self.room[row + x0.min(x1)..row + x1]) {
-                let px = corner.x + x as f32 * STEP as f32;
-                let t = (px * ab.x + py * ab.y) * per_length;
-                let t = if t < 0.0 { 0.0 } else { t };
-                let t = if t > 1.0 { 1.0 } else { t };
-                let (dx, dy) = (px - ab.x * t, py - ab.y * t);
-                let d2 = dx * dx + dy * dy;
-                *cell = if d2 < *cell { d2 } else { *cell };
+            let row = y * self.stride..(y + 1) * self.stride;
+            let room = &mut self.room[row.clone()].as_chunks_mut::<LANES>().0[x0.min(x1)..x1];
+            let nearest = &mut self.nearest[row].as_chunks_mut::<LANES>().0[x0.min(x1)..x1];
+            let mut column = Vec4::new(0.0, 1.0, 2.0, 3.0) + (x0 * LANES) as f32;
+            for (room, nearest) in room.iter_mut().zip(nearest) {
+                let px = corner.x + column * STEP as f32;
+                let t = (px * along.x + py * along.y).max(Vec4::ZERO).min(Vec4::ONE);
+                let (dx, dy) = (px - t * ab.x, py - t * ab.y);
+                let (d2, before) = (dx * dx + dy * dy, Vec4::from_array(*room));
+                *nearest = Vec4::select(d2.cmplt(before), number, Vec4::from_array(*nearest)).to_array();
+                *room = d2.min(before).to_array();
+                column += LANES as f32;
             }
         }
     }
 
     /// Square of the room at the square of `p`, whose root is within [`SLACK`] of the distance to the nearest obstacle, or
     /// the cap; 0 outside.
-    pub fn at(&self, p: DVec2) -> f64 {
+    pub fn at(&self, p: DVec2) -> f32 {
         self.at_square(self.in_squares(p))
     }
 
     /// A place counted in squares.
-    pub fn in_squares(&self, p: DVec2) -> DVec2 {
-        (p - self.origin) * (1.0 / STEP)
+    pub fn in_squares(&self, p: DVec2) -> Vec2 {
+        ((p - self.origin) * (1.0 / STEP)).as_vec2()
     }
 
     /// A step counted in squares.
-    pub fn step_in_squares(step: DVec2) -> DVec2 {
-        step * (1.0 / STEP)
+    pub fn step_in_squares(step: DVec2) -> Vec2 {
+        (step * (1.0 / STEP)).as_vec2()
     }
 
     /// [`at`](Self::at) for a place [counted in squares](Self::in_squares).
-    pub fn at_square(&self, square: DVec2) -> f64 {
+    pub fn at_square(&self, square: Vec2) -> f32 {
+        self.index(square).map_or(0.0, |i| self.room[i])
+    }
+
+    /// Index of the square at a place counted in squares, unless that is outside.
+    fn index(&self, square: Vec2) -> Option<usize> {
         let inside = square.x >= 0.0 && square.y >= 0.0 && square.x < self.size.x && square.y < self.size.y;
-        if !inside {
-            return 0.0;
-        }
-        let square = square.y as i32 as usize * self.columns + square.x as i32 as usize;
-        self.room.get(square).copied().map_or(0.0, f64::from)
+        inside.then(|| square.y as i32 as usize * self.stride + square.x as i32 as usize)
+    }
+
+    /// Number of the obstacle that is nearest to the square at a place [counted in squares](Self::in_squares), of those that
+    /// were stamped; 0 where none is in reach, `None` outside.
+    pub fn nearest_at_square(&self, square: Vec2) -> Option<usize> {
+        Some(self.nearest[self.index(square)?] as usize)
+    }
+
+    /// The place that is [`in_squares`](Self::in_squares) there.
+    pub fn place(&self, square: Vec2) -> DVec2 {
+        self.origin + square.as_dvec2() * STEP
     }
 
     /// About how far it is from a street at `from` in this direction to what is met next, up to `reach`.
     pub fn ahead(&self, from: DVec2, direction: DVec2, reach: f64) -> f64 {
+        let (from, step) = (self.in_squares(from), Self::step_in_squares(direction));
         // Not the street that is left.
-        let mut far = 2.0 * SLACK;
-        while far < reach {
-            let room = self.at(from + direction * far).sqrt();
-            if room < SLACK && far > 4.0 * SLACK {
+        let (mut far, slack) = (2.0 * SLACK as f32, SLACK as f32);
+        while far < reach as f32 {
+            let room = self.at_square(from + step * far).sqrt();
+            if room < slack && far > 4.0 * slack {
                 break;
             }
-            far += room.max(0.5 * STEP);
+            far += room.max(0.5 * STEP as f32);
         }
-        far.min(reach)
+        f64::from(far).min(reach)
     }
 
+    /// Where [`at`](Self::at) is no more than this, a line through the point may meet an obstacle within half a square.
+    pub const MEETS: f32 = ((SLACK + 0.5 * STEP) * (SLACK + 0.5 * STEP)) as f32;
+
     /// Where [`at`](Self::at) is more than this, no obstacle is nearer than `distance`.
-    pub fn most(distance: f64) -> f64 {
-        (distance + SLACK) * (distance + SLACK)
+    pub fn most(distance: f64) -> f32 {
+        let most = (distance + SLACK) as f32;
+        most * most
     }
 
     /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance`, no more than what was to be asked, or
     /// the place is outside.
-    pub fn least(distance: f64) -> f64 {
-        let least = (distance - SLACK).max(0.0);
+    pub fn least(distance: f32) -> f32 {
+        let least = (distance - SLACK as f32).max(0.0);
         least * least
     }
 }
@@ -143,7 +172,7 @@ mod tests {
         let mut grid = FreeGrid::new(&border, 30.0);
         let mut walls: Vec<_> = (0..4).map(|i| (border[i], border[(i + 1) % 4])).collect();
         walls.push((DVec2::new(60.0, 60.0), DVec2::new(130.0, 90.0)));
-        walls.iter().for_each(|(a, b)| grid.stamp(*a, *b));
+        walls.iter().enumerate().for_each(|(i, (a, b))| grid.stamp(i, *a, *b));
         for _ in 0..2000 {
             let p = DVec2::new(s.range(0.0, 230.0), s.range(-20.0, 210.0));
             let room = walls.iter().map(|(a, b)| distance_to_segment(p, *a, *b)).fold(f64::MAX, f64::min);

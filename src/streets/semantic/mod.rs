@@ -4,6 +4,7 @@
 mod bend;
 mod canvas;
 mod checker;
+mod coarse;
 mod fairing;
 mod free;
 mod growth;
@@ -28,6 +29,7 @@ pub use pinned::find_place;
 
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
+use crate::patch::STRETCH;
 use crate::space::{Bounds, Stream, math};
 use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
 use crate::town::FieldKind;
@@ -35,6 +37,7 @@ use canvas::Canvas;
 use checker::Checker;
 use glam::DVec2;
 use near::{Near, Seg};
+use patches::Ranked;
 use pinned::Laid;
 use proposal::{Join, Limits, Proposal};
 use std::collections::VecDeque;
@@ -96,12 +99,18 @@ struct Work<'a> {
     used: Vec<u32>,
     /// Weight of each patch in choices after these uses.
     weights: Vec<f64>,
+    /// Greatest radius of a patch.
+    largest: f64,
+    /// Greatest distance that a patch can bridge.
+    farthest: f64,
     /// Pinned patches that stand.
     laid: Vec<Laid>,
     near: Near,
     /// Obstacles around one placement.
     around: Near,
     proposal: Proposal,
+    /// Proposals to choose from.
+    ranked: Vec<Ranked>,
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.
     slots: Vec<u32>,
@@ -138,16 +147,18 @@ impl<'a> Work<'a> {
             max_degree: limits.max_degree.max(4),
             min_round: 2.6 * local.length,
         };
-        let asked = place::coarse_gap(&limits);
+        let asked = coarse::coarse_gap(&limits);
         let (straightness, bending, crossings, field_pull, stump, dogleg) = match brief.style.main.field {
             FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1, 16.0),
             FieldKind::Radial => (0.9, 0.15, 0.4, 0.9, 0.9, 16.0),
             FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5, 0.0),
             FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8, 0.0),
         };
+        let patches = &brief.patches.patches;
+        let longest = patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
         Self {
             brief,
-            canvas: Canvas::new(brief, asked),
+            canvas: Canvas::new(brief, f64::from(asked)),
             checker: Checker::default(),
             rng: brief.seed.stream("streets", &[brief.id.0]),
             queue: VecDeque::new(),
@@ -160,12 +171,15 @@ impl<'a> Work<'a> {
             field_pull,
             stump: stump * local.length,
             dogleg,
-            used: vec![0; brief.patches.patches.len()],
-            weights: (0..brief.patches.patches.len()).map(|p| patches::weight(brief, p, 0)).collect(),
+            used: vec![0; patches.len()],
+            weights: (0..patches.len()).map(|p| patches::weight(brief, p, 0)).collect(),
+            largest: patches.iter().map(|p| p.radius).fold(0.0, f64::max),
+            farthest: longest.fold(0.0, f64::max) * (1.0 + STRETCH),
             laid: Vec::new(),
             near: Near::default(),
             around: Near::default(),
             proposal: Proposal::default(),
+            ranked: Vec::new(),
             built: Vec::new(),
             slots: Vec::new(),
             line: Vec::new(),

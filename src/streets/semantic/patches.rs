@@ -1,6 +1,7 @@
 //! The choice of patches: breadth-first between two vertices, depth-first from one (Teng 2017, algorithms 2 and 3).
 
 use super::Work;
+use super::coarse::Surroundings;
 use super::near::nearest;
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
@@ -19,16 +20,39 @@ const TARGETS: usize = 4;
 /// Least length of a patch whose arms are led on, as a share of the distance to bridge.
 const LEAST_CORE: f64 = 0.3;
 
+/// Greatest angle between a patch whose arms are led on and the line that it lies on, in radians.
+const STRAIGHT: f64 = 0.12;
+
 /// What a loose end more that a placement meets adds to its rating, as a share.
 const MET: f64 = 0.5;
 
-/// Placements that are checked exactly, and valid ones that are rated, for one current vertex.
+/// Placements between two vertices that are checked exactly.
 const CHECKED: usize = 14;
 
-const RATED: usize = 3;
+/// Placements of which it is found where their ends come to lie, and of these the ones that are rated, for one current
+/// vertex.
+const PROPOSED: usize = 10;
 
-/// Placements of one patch that are checked exactly.
+const RATED: usize = 4;
+
+/// Placements of one patch that are tried.
 const TRIED: usize = 2;
+
+/// A proposal of a patch with its rating.
+#[derive(Default)]
+pub(super) struct Ranked {
+    rating: f64,
+    patch: usize,
+    proposal: Proposal,
+}
+
+/// A patch between two vertices.
+struct Bridge {
+    rating: f64,
+    placement: Placement,
+    /// Vertex of the patch at its far end, and that of the graph there.
+    end: (usize, VertexIx),
+}
 
 impl Work<'_> {
     /// Weight of a patch in choices.
@@ -56,17 +80,17 @@ impl Work<'_> {
 
     /// Attaches a patch to the vertex `v` at `at`, breadth-first where possible.
     pub(super) fn attach_patch(&mut self, v: VertexIx, at: DVec2, direction: DVec2) -> bool {
-        let largest = self.brief.patches.patches.iter().map(|p| p.radius).fold(0.0, f64::max);
-        if largest == 0.0 {
+        if self.largest == 0.0 {
             return false;
         }
-        let reach = 2.0 * largest * (1.0 + STRETCH) + self.limits.gap;
+        let reach = 2.0 * self.largest * (1.0 + STRETCH) + self.limits.gap;
         self.canvas.gather_tips(Bounds::of([at]), reach, &mut self.near);
         let ahead = self.ray(at, at + direction * 400.0, v).map_or(400.0, |h| h.1 * 400.0);
         if ahead < self.limits.min_piece {
             return false;
         }
-        self.breadth_first(v, at) || self.depth_first(v, at, direction)
+        let around = self.surroundings(at, direction, reach);
+        self.breadth_first(v, at, direction, &around) || self.depth_first(v, at, direction, &around)
     }
 
     /// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
@@ -86,72 +110,28 @@ impl Work<'_> {
     }
 
     /// Looks for a patch that connects `v` with another loose end in sight.
-    fn breadth_first(&mut self, v: VertexIx, at: DVec2) -> bool {
+    fn breadth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2, around: &Surroundings) -> bool {
         let Some(onward) = self.canvas.onward(v) else { return false };
-        let patches = self.brief.patches;
-        let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
-        let farthest = longest.fold(0.0, f64::max) * (1.0 + STRETCH);
         let mut targets: Vec<(f64, VertexIx)> = Vec::new();
         for tip in self.near.tips.iter().filter(|t| t.open && t.v != v) {
             let d = tip.at.distance(at);
-            if d < farthest {
+            if d < self.farthest && around.may_see(turn(direction, tip.at - at), d) {
                 targets.push((d, tip.v));
             }
         }
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let in_sight = |(_, w): &(f64, VertexIx)| {
-            let p = self.canvas.graph.at(*w);
-            self.ray(at, p, v).is_none_or(|(s, _, _)| s.ends_at(*w))
-        };
-        let targets: Vec<(f64, VertexIx)> = targets.into_iter().filter(in_sight).take(TARGETS).collect();
-        let mut found: Vec<(f64, Placement, usize, VertexIx)> = Vec::new();
-        for (d, w) in targets {
-            let target = self.canvas.graph.at(w);
-            let Some(beyond) = self.canvas.onward(w) else { continue };
-            let line = (target - at) / d;
-            if onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness {
-                self.stretched(v, at, w, target, &mut found);
-            }
-            let wanted = [Some(turn(line, onward)), Some(turn(line, -beyond))];
-            for entry in patches.pair_entries_near(d, STRETCH * d) {
-                let weight = self.weight(entry.patch);
-                if weight <= 0.0 {
-                    continue;
-                }
-                let varied = self.rng.range(0.7, 1.3);
-                // Both ways round, and mirrored each.
-                let (there, back) = ([entry.leaves, entry.arrives], [entry.arrives, entry.leaves]);
-                let four = [there, there.map(|angle| -angle), back, back.map(|angle| -angle)];
-                if !four.iter().any(|is| self.may_bend(*is, wanted)) {
-                    continue;
-                }
-                let p = &patches.patches[entry.patch];
-                let pair = p.pairs[entry.pair];
-                // Equation 1 of the paper, times what makes the choice vary.
-                let rating = (1.0 - (pair.distance - d).abs() / d) * weight * varied;
-                let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
-                for (a, b, is) in [(a, b, there), (b, a, back)] {
-                    let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
-                    for (mirrored, is) in [(false, is), (true, is.map(|angle| -angle))] {
-                        // The street must go on at both ends without a sharp bend.
-                        let Some((slopes, bends)) = self.bend(is, wanted) else { continue };
-                        let start = (entry.patch, a.vertex, pa);
-                        let placement = Placement::new(start, pb - pa, mirrored, at, target - at);
-                        let placement = placement.bent(at, target, slopes);
-                        if self.roughly_fits(&placement, at, Some(target)) {
-                            let others = p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex);
-                            let met = others.filter(|c| self.meets_tip(&placement, p, c, [v, w])).count() as f64;
-                            let kept = if placement.is_bent() { 0.85 } else { 1.0 };
-                            let rating = rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met);
-                            found.push((rating, placement, b.vertex, w));
-                        }
-                    }
-                }
+        let mut found: Vec<Bridge> = Vec::new();
+        let mut bridged = 0;
+        for (_, w) in targets {
+            bridged += usize::from(self.find_bridges(v, at, onward, w, &mut found));
+            if bridged == TARGETS {
+                break;
             }
         }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, placement, end, w) in found.into_iter().take(CHECKED) {
-            if self.build_patch(&placement, &[(placement.start, v), (end, w)]) {
+        for _ in 0..CHECKED {
+            let best = (0..found.len()).reduce(|a, b| if found[b].rating > found[a].rating { b } else { a });
+            let Some(Bridge { placement, end, .. }) = best.map(|best| found.swap_remove(best)) else { break };
+            if self.build_patch(&placement, &[(placement.start, v), end]) {
                 self.after_patch(placement.patch);
                 return true;
             }
@@ -159,16 +139,50 @@ impl Work<'_> {
         false
     }
 
+    /// Collects the placements of patches between `v`, from where its street leads `onward`, and the loose end `w`; false
+    /// where no patch has the headings for that, or `w` is not in sight.
+    fn find_bridges(&mut self, v: VertexIx, at: DVec2, onward: DVec2, w: VertexIx, found: &mut Vec<Bridge>) -> bool {
+        let patches = self.brief.patches;
+        let target = self.canvas.graph.at(w);
+        let Some(beyond) = self.canvas.onward(w) else { return false };
+        let d = at.distance(target);
+        let line = (target - at) / d;
+        let in_line = onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness;
+        let wanted = [turn(line, onward), turn(line, -beyond)];
+        let passages = patches.passages_near(d, STRETCH * d, wanted, self.bending + self.most_turn);
+        let mut passages = passages.peekable();
+        if !in_line && passages.peek().is_none() || self.ray(at, target, v).is_some_and(|(s, _, _)| !s.ends_at(w)) {
+            return false;
+        }
+        if in_line {
+            self.stretched(v, at, w, target, found);
+        }
+        for passage in passages {
+            let weight = self.weight(passage.patch);
+            // The street must go on at both ends without a sharp bend.
+            let bend = self.bend([passage.leaves, passage.arrives], wanted.map(Some));
+            let Some((slopes, bends)) = bend.filter(|_| weight > 0.0) else { continue };
+            let p = &patches.patches[passage.patch];
+            let (a, b) = (p.connectables[passage.from].vertex, p.connectables[passage.to].vertex);
+            let (pa, pb) = (p.vertices[a], p.vertices[b]);
+            let placement = Placement::new((passage.patch, a, pa), pb - pa, passage.mirrored, at, target - at);
+            let placement = placement.bent(at, target, slopes);
+            if self.roughly_fits(&placement, at, Some(target)) {
+                let others = p.connectables.iter().filter(|c| c.vertex != a && c.vertex != b);
+                let met = others.filter(|c| self.meets_tip(&placement, p, c, [v, w])).count() as f64;
+                // Equation 1 of the paper, times what makes the choice vary.
+                let rating = (1.0 - (passage.distance - d).abs() / d) * weight * self.rng.range(0.7, 1.3);
+                let kept = if placement.is_bent() { 0.85 } else { 1.0 };
+                let rating = rating * kept * (0.5 + 0.5 * bends) * (1.0 + MET * met);
+                found.push(Bridge { rating, placement, end: (b, w) });
+            }
+        }
+        true
+    }
+
     /// Collects the placements of patches that run straight between `v` and `w` and are too short for it: their arms are
     /// led on. Such a patch may be moved along the line, and is, to where its other arms face loose ends.
-    fn stretched(
-        &mut self,
-        v: VertexIx,
-        at: DVec2,
-        w: VertexIx,
-        target: DVec2,
-        found: &mut Vec<(f64, Placement, usize, VertexIx)>,
-    ) {
+    fn stretched(&mut self, v: VertexIx, at: DVec2, w: VertexIx, target: DVec2, found: &mut Vec<Bridge>) {
         let patches = self.brief.patches;
         let d = at.distance(target);
         let line = (target - at) / d;
@@ -180,121 +194,108 @@ impl Work<'_> {
                 tips.push(place);
             }
         }
+        let mut arms: Vec<(f64, f64)> = Vec::new();
         let shortest = LEAST_CORE * d;
         let longest = (1.0 - STRETCH) * d;
-        let entries = patches.pair_entries_near((shortest + longest) / 2.0, (longest - shortest) / 2.0);
-        for entry in entries.iter().filter(|e| e.leaves.abs() < 0.12 && e.arrives.abs() < 0.12) {
-            let weight = self.weight(entry.patch);
+        for passage in patches.passages_near((shortest + longest) / 2.0, (longest - shortest) / 2.0, [0.0; 2], STRAIGHT)
+        {
+            let weight = self.weight(passage.patch);
             if weight <= 0.0 {
                 continue;
             }
-            let p = &patches.patches[entry.patch];
-            let pair = p.pairs[entry.pair];
-            let (a, b) = (p.connectables[pair.a], p.connectables[pair.b]);
-            let spare = d - pair.distance;
-            for (a, b) in [(a, b), (b, a)] {
-                let (pa, pb) = (p.vertices[a.vertex], p.vertices[b.vertex]);
-                for mirrored in [false, true] {
-                    let laid = |shift: f64| {
-                        Placement::new(
-                            (entry.patch, a.vertex, pa),
-                            pb - pa,
-                            mirrored,
-                            at + line * shift,
-                            line * pair.distance,
-                        )
-                    };
-                    // Where the other arms meet the tips that they face, else anywhere.
-                    let arm = |c: &Connectable| laid(0.0).map(p.vertices[c.vertex]) - at;
-                    let others =
-                        p.connectables.iter().filter(|c| c.vertex != a.vertex && c.vertex != b.vertex).map(arm);
-                    let mut best = (0.0, self.rng.range(0.0, spare));
-                    for arm in others.clone() {
-                        for tip in &tips {
-                            let shift = tip.0 - line.dot(arm);
-                            if !(0.0..=spare).contains(&shift) {
-                                continue;
-                            }
-                            let met = others.clone().filter(|o| {
-                                let (x, y) = (line.dot(*o) + shift, line.perp_dot(*o));
-                                tips.iter().any(|t| (t.0 - x).abs() < 8.0 && t.1 * y > 0.0)
-                            });
-                            let met = met.count() as f64;
-                            if met > best.0 {
-                                best = (met, shift);
-                            }
-                        }
-                    }
-                    let placement = laid(best.1);
-                    if self.roughly_fits(&placement, at, Some(target)) {
-                        let rating = (0.7 + 0.3 * best.0) * weight * self.rng.range(0.7, 1.3);
-                        found.push((rating, placement, b.vertex, w));
-                    }
+            let p = &patches.patches[passage.patch];
+            let spare = d - passage.distance;
+            let (a, b) = (p.connectables[passage.from].vertex, p.connectables[passage.to].vertex);
+            let (pa, pb) = (p.vertices[a], p.vertices[b]);
+            // Where the other arms meet the tips that they face, else anywhere.
+            let (along, side) = ((pb - pa) / passage.distance, if passage.mirrored { -1.0 } else { 1.0 });
+            let others =
+                p.connectables.iter().filter(|c| c.vertex != a && c.vertex != b).map(|c| p.vertices[c.vertex] - pa);
+            arms.clear();
+            arms.extend(others.map(|arm| (along.dot(arm), side * along.perp_dot(arm))));
+            let mut best = (0, self.rng.range(0.0, spare));
+            for (arm, tip) in arms.iter().flat_map(|arm| tips.iter().map(move |tip| (arm, tip))) {
+                let shift = tip.0 - arm.0;
+                let meets =
+                    |arm: &&(f64, f64)| tips.iter().any(|t| (t.0 - arm.0 - shift).abs() < 8.0 && t.1 * arm.1 > 0.0);
+                let met = if (0.0..=spare).contains(&shift) { arms.iter().filter(meets).count() } else { 0 };
+                if met > best.0 {
+                    best = (met, shift);
                 }
+            }
+            let (start, to) = ((passage.patch, a, pa), line * passage.distance);
+            let placement = Placement::new(start, pb - pa, passage.mirrored, at + line * best.1, to);
+            if self.roughly_fits(&placement, at, Some(target)) {
+                let rating = (0.7 + 0.3 * best.0 as f64) * weight * self.rng.range(0.7, 1.3);
+                found.push(Bridge { rating, placement, end: (b, w) });
             }
         }
     }
 
     /// Looks for a patch that goes on from `v` in the given direction.
-    fn depth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2) -> bool {
+    fn depth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2, around: &Surroundings) -> bool {
         let patches = self.brief.patches;
         let variation = 0.5 * self.brief.style.local.angle_deviation_deg.to_radians();
         let ways = [0.0, -0.5, 0.5, -1.0, 1.0].map(|share| rotate(direction, share * variation));
         // The best last; of two alike the first. As whole numbers they are in order in a quarter of the time.
-        let mut order: Vec<u64> = Vec::with_capacity(self.used.len());
+        let mut order: Vec<u64> = Vec::new();
         for patch in 0..self.used.len() {
             let weight = self.weight(patch);
-            if weight > 0.0 {
+            let mut views = patches.facts(patch).views.iter();
+            if weight > 0.0 && views.any(|view| around.may_hold(view, false) || around.may_hold(view, true)) {
                 let key = (weight * self.rng.range(0.5, 1.5)) as f32;
                 order.push(u64::from(key.to_bits()) << 32 | u64::from(!(patch as u32)));
             }
         }
         order.sort_unstable();
-        let mut best: Option<(f64, usize)> = None;
-        let mut found = Proposal::default();
-        let (mut checked, mut rated) = (0, 0);
-        for entry in order.into_iter().rev() {
+        let mut ranked = std::mem::take(&mut self.ranked);
+        let (mut tried, mut count) = (0, 0);
+        'patches: for entry in order.into_iter().rev() {
             let (key, patch) = (f64::from(f32::from_bits((entry >> 32) as u32)), !(entry as u32) as usize);
             let p = &patches.patches[patch];
             let views = &patches.facts(patch).views;
             let n = 2 * p.connectables.len();
             let first = self.rng.index(n * ways.len());
-            let mut tried = 0;
             // Ends, each as drawn and mirrored, and directions in turn.
-            let (mut slot, mut turn) = (first % n, first % ways.len());
-            for _ in 0..n {
-                let (end, mirrored, way) = (slot / 2, slot % 2 == 1, ways[turn]);
-                (slot, turn) = (slot + 1, turn + 1);
-                slot = if slot == n { 0 } else { slot };
-                turn = if turn == ways.len() { 0 } else { turn };
-                if !self.view_roughly_fits(&views[end], at, way, mirrored) {
+            let mut of_patch = 0;
+            for k in first..first + n {
+                let (end, mirrored, way) = (k % n / 2, k % 2 == 1, ways[k % ways.len()]);
+                let view = &views[end];
+                if !around.may_hold(view, mirrored) || !self.view_roughly_fits(view, self.overlay(at, way, mirrored)) {
                     continue;
                 }
                 let c = &p.connectables[end];
                 let start = (patch, c.vertex, p.vertices[c.vertex]);
                 let placement = Placement::new(start, c.inward, mirrored, at, way);
-                (checked, tried) = (checked + 1, tried + 1);
-                if let Some(rating) = self.rate_patch(&placement, &[(c.vertex, v)]) {
-                    rated += 1;
-                    if best.is_none_or(|b| rating * key > b.0) {
-                        best = Some((rating * key, patch));
-                        std::mem::swap(&mut found, &mut self.proposal);
+                (tried, of_patch) = (tried + 1, of_patch + 1);
+                let fits = self.propose_patch(&placement, &[(c.vertex, v)]);
+                if fits {
+                    if count == ranked.len() {
+                        ranked.push(Ranked::default());
                     }
+                    let slot = &mut ranked[count];
+                    (slot.patch, slot.rating) = (patch, key * self.rate());
+                    std::mem::swap(&mut slot.proposal, &mut self.proposal);
+                    count += 1;
+                }
+                if tried == PROPOSED || count == RATED {
+                    break 'patches;
+                }
+                if fits || of_patch == TRIED {
                     break;
                 }
-                if checked == CHECKED || tried == TRIED {
-                    break;
-                }
-            }
-            if checked == CHECKED || rated == RATED {
-                break;
             }
         }
-        let Some((_, patch)) = best else { return false };
-        self.proposal = found;
-        self.canvas.build(&self.proposal, MadeBy::Patch(patch as u32), &mut self.built);
-        self.after_patch(patch);
-        true
+        ranked[..count].sort_by(|a, b| b.rating.total_cmp(&a.rating));
+        let built = ranked[..count].iter_mut().find_map(|r| {
+            std::mem::swap(&mut r.proposal, &mut self.proposal);
+            self.build_focused(MadeBy::Patch(r.patch as u32)).then_some(r.patch)
+        });
+        self.ranked = ranked;
+        if let Some(patch) = built {
+            self.after_patch(patch);
+        }
+        built.is_some()
     }
 
     /// What is nearer than this to a street of a patch counts in its rating, in metres.
@@ -308,21 +309,23 @@ impl Work<'_> {
         let p = &self.proposal;
         let mut rating: f64 = 1.0;
         for (i, at) in p.points.iter().enumerate() {
-            let ends = || p.edges.iter().filter(|(a, b)| *a == i || *b == i).count() == 1;
+            let mut edges = p.edges.iter().filter(|(a, b)| *a == i || *b == i);
             match p.joins[i] {
                 Join::Free(true) => {
                     // A connectable vertex that faces the end of a cul-de-sac leads nowhere.
                     let blocked = self.near.tips.iter().any(|t| !t.open && t.at.distance(*at) < nearby);
                     rating -= if blocked { 0.2 } else { 0.0 };
                 }
-                Join::Free(false) if ends() => {
+                Join::Free(false) => {
+                    let (Some((a, b)), None) = (edges.next(), edges.next()) else { continue };
                     // A cul-de-sac fills a small place, and hinders in a wide one.
-                    let fills = self.near.segs.iter().any(|s| nearest(*at, s.a, s.b).distance(*at) < nearby);
+                    let onward = (*at - p.points[if *a == i { *b } else { *a }]).normalize_or_zero();
+                    let met = |way: DVec2| self.canvas.free.ahead(*at, way, nearby) < nearby;
+                    let fills = met(onward) || met(onward.perp()) || met(-onward.perp());
                     rating += if fills { 0.1 } else { -0.2 };
                 }
                 Join::At(_) => rating += 0.3,
                 Join::On(_) => rating += 0.1,
-                Join::Free(false) => {}
             }
         }
         for (a, b) in &p.edges {

@@ -3,16 +3,17 @@
 
 use super::Work;
 use super::bend::Bend;
-use super::checker::WEDGE;
-use super::free::FreeGrid;
 use super::joint::joint_angle_fits;
-use super::near::{NONE, nearest};
+use super::near::{NONE, Seg, nearest};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{LEAST_ARM, PatchView, STREET_FLOOR, keeps_rules};
+use crate::patch::{LEAST_ARM, STREET_FLOOR, keeps_rules};
 use crate::space::{Bounds, point_at, segment_crossing};
 use crate::streets::MadeBy;
 use glam::DVec2;
+
+/// A street that meets another this near to a point of inflexion meets it there, in metres.
+const AT_INFLEXION: f64 = 5.0;
 
 /// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
 #[derive(Clone, Copy, Debug)]
@@ -80,30 +81,6 @@ impl Placement {
 }
 
 impl Work<'_> {
-    /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
-    pub(super) fn roughly_fits(&self, placement: &Placement, start: DVec2, end: Option<DVec2>) -> bool {
-        let enough = FreeGrid::least(coarse_gap(&self.limits));
-        self.brief.patches.facts(placement.patch).shape.samples.iter().all(|p| {
-            let p = placement.map(*p);
-            let room = self.canvas.free.at(p);
-            room >= enough || {
-                let away = end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e)));
-                room >= FreeGrid::least(WEDGE * away)
-            }
-        })
-    }
-
-    /// The same for a patch whose `view` from one of its ends is laid at `start` in the direction `way` (of length 1).
-    pub(super) fn view_roughly_fits(&self, view: &PatchView, start: DVec2, way: DVec2, mirrored: bool) -> bool {
-        let enough = FreeGrid::least(coarse_gap(&self.limits));
-        let (start, way) = (self.canvas.free.in_squares(start), FreeGrid::step_in_squares(way));
-        let across = if mirrored { -way.perp() } else { way.perp() };
-        view.samples.iter().all(|(p, away)| {
-            let room = self.canvas.free.at_square(start + way * p.x + across * p.y);
-            room >= enough || room >= FreeGrid::least(WEDGE * away)
-        })
-    }
-
     /// Collects the obstacles that matter to the proposal; [`unfocus`](Self::unfocus) takes that back.
     fn focus(&mut self) {
         let reach = self.limits.gap.max(self.limits.wall_gap).max(self.nearby()).max(30.0) + 1.0;
@@ -119,25 +96,15 @@ impl Work<'_> {
         std::mem::swap(&mut self.near, &mut self.around);
     }
 
-    /// Makes the placement the proposal, as [`propose_patch`](Self::propose_patch) does, if it may be built; its rating.
-    pub(super) fn rate_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> Option<f64> {
-        if !self.propose_patch(placement, anchors) {
-            return None;
-        }
-        self.focus();
-        let fits = self.checker.check(&self.canvas, &self.proposal, &self.near, &self.limits);
-        let rating = fits.then(|| self.rate());
-        self.unfocus();
-        rating
-    }
-
     /// Builds the placement if it fits.
     pub(super) fn build_patch(&mut self, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
-        if !self.propose_patch(placement, anchors) {
-            return false;
-        }
+        self.propose_patch(placement, anchors) && self.build_focused(MadeBy::Patch(placement.patch as u32))
+    }
+
+    /// Builds the proposal if it fits, held against the obstacles around it.
+    pub(super) fn build_focused(&mut self, made_by: MadeBy) -> bool {
         self.focus();
-        let fits = self.build_if_fits(&self.limits.clone(), MadeBy::Patch(placement.patch as u32));
+        let fits = self.build_if_fits(&self.limits.clone(), made_by);
         self.unfocus();
         fits
     }
@@ -256,17 +223,22 @@ impl Work<'_> {
                 cut_back(line, cut);
                 return Some(Join::Free(true));
             }
-            // Rather a vertex than a new junction next to it.
-            let vertex = [(s.va, s.a), (s.vb, s.b)]
-                .into_iter()
-                .filter(|(v, p)| p.distance(at) < limits.min_piece && self.canvas.nodes[*v as usize].port.is_none())
-                .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
-            let (end, join) = vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)));
+            let (end, join) = self.landing_place(&s, at, limits);
             line.truncate(k + 1);
             line.push(end);
             return Some(join);
         }
         Some(Join::Free(true))
+    }
+
+    /// Where a street that meets the street `s` at `at` is led to: rather to a vertex than to a new junction next to it.
+    pub(super) fn landing_place(&self, s: &Seg, at: DVec2, limits: &Limits) -> (DVec2, Join) {
+        let next_to = |v: VertexIx| if self.canvas.is_end(v) { limits.min_piece } else { AT_INFLEXION };
+        let vertex = [(s.va, s.a), (s.vb, s.b)]
+            .into_iter()
+            .filter(|(v, p)| p.distance(at) < next_to(*v) && self.canvas.nodes[*v as usize].port.is_none())
+            .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
+        vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)))
     }
 
     /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
@@ -336,12 +308,6 @@ impl Work<'_> {
         }
         true
     }
-}
-
-/// The distance that the coarse grid is asked for: a little less than the gap, since near the vertices that are joined the
-/// distance along the network decides.
-pub(super) fn coarse_gap(limits: &Limits) -> f64 {
-    limits.gap.min(limits.wall_gap) - 1.0
 }
 
 /// Shortens a line to its first `length` metres.

@@ -7,7 +7,7 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
 use crate::space::{
     Bounds, centroid,
-    math::{angle_of, rotate},
+    math::{angle_of, direction, rotate},
 };
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -17,8 +17,13 @@ use std::f64::consts::FRAC_PI_2;
 /// Connections that are checked exactly for one dead end or one block.
 const TRIES: usize = 10;
 
-/// Streets across a block of which it is found where they end.
-const LOOKED_AT: usize = 2 * TRIES;
+/// Streets across a block of which it is found where they end, and so many of them together, of which the best is built.
+const LOOKED_AT: usize = 15;
+
+const TOGETHER: usize = 5;
+
+/// Angle to square of streets that are laid aslant across a block, in radians.
+const SLANT: f64 = 0.3;
 
 /// A street that would mend something, and what it costs.
 struct Mend {
@@ -28,6 +33,19 @@ struct Mend {
     points: usize,
     first: Join,
     last: Join,
+}
+
+/// Where a street across a block may begin.
+struct Start {
+    cost: f64,
+    from: DVec2,
+    /// Direction square to the street that it leaves.
+    square: DVec2,
+    way: DVec2,
+    /// From the one to the other.
+    angle: f64,
+    /// The street that it leaves.
+    edge: EdgeIx,
 }
 
 impl Mend {
@@ -297,44 +315,59 @@ impl Work<'_> {
             s.is_wall() || sides.get(s.edge as usize).is_none_or(|n| *n < 2) || edges.contains(&Some(s.edge))
         };
         self.near.segs.extend(self.around.segs.iter().filter(is_met));
-        let mut mends: Vec<Mend> = Vec::new();
+        let starts = self.starts_across(face, edges, reach, middle);
         let mut line = Vec::new();
-        // About what it costs, where it begins, in which direction, square to the street, the angle to that, the street.
-        let mut starts: Vec<(f64, DVec2, DVec2, f64, EdgeIx)> = Vec::new();
+        starts.chunks(TOGETHER).any(|starts| {
+            let mut mends: Vec<Mend> = Vec::with_capacity(TOGETHER);
+            for s in starts {
+                if let Some((end, last, distance)) =
+                    self.landing(s.from + s.square * 0.5, s.way, reach, NONE, &mut line)
+                    && last != Join::On(s.edge)
+                {
+                    let cost = self.cost_across(s.from, end, distance, s.angle, middle);
+                    mends.push(Mend::straight(cost, s.from, end, Join::On(s.edge), last));
+                }
+            }
+            self.unfocus();
+            let divided = self.build_best(mends, &limits, TOGETHER);
+            self.unfocus();
+            divided
+        })
+    }
+
+    /// Where streets across a block may begin, the best first, as far as the coarse grid tells what they cost.
+    fn starts_across(&self, face: &Face, edges: &[Option<EdgeIx>], reach: f64, middle: DVec2) -> Vec<Start> {
+        let mut starts: Vec<Start> = Vec::with_capacity(8 * edges.len());
+        let aside = direction(SLANT);
         for (i, edge) in edges.iter().enumerate() {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
-            let inward = (b - a).perp().normalize_or_zero();
-            let heading = angle_of(inward);
-            let angles = [0.0, 0.3, -0.3];
-            let directions = angles.map(|angle| rotate(inward, angle));
+            let square = (b - a).perp().normalize_or_zero();
+            let heading = angle_of(square);
+            let ways = [
+                (0.0, square),
+                (SLANT, aside.rotate(square)),
+                (-SLANT, (aside * DVec2::new(1.0, -1.0)).rotate(square)),
+            ];
             let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-                for (angle, direction) in angles.into_iter().zip(directions) {
-                    let far = self.canvas.free.ahead(from, direction, reach);
-                    let end = from + direction * far;
+                for (angle, way) in ways {
+                    let far = self.canvas.free.ahead(from, way, reach);
+                    let end = from + way * far;
                     let distance = far * self.heading_off_field(heading + angle, from.midpoint(end));
-                    starts.push((self.cost_across(from, end, distance, angle, middle), from, inward, angle, edge));
+                    let cost = self.cost_across(from, end, distance, angle, middle);
+                    starts.push(Start { cost, from, square, way, angle, edge });
                 }
             }
         }
-        // The coarse grid tells about where a street would end; only the best of these are looked at, in their order here.
-        let mut best: Vec<usize> = (0..starts.len()).collect();
-        best.sort_by(|x, y| starts[*x].0.total_cmp(&starts[*y].0));
-        best.truncate(LOOKED_AT);
-        best.sort_unstable();
-        for (_, from, inward, angle, edge) in best.into_iter().map(|i| starts[i]) {
-            let (start, direction) = (from + inward * 0.5, rotate(inward, angle));
-            if let Some((end, last, distance)) = self.landing(start, direction, reach, NONE, &mut line)
-                && last != Join::On(edge)
-            {
-                let cost = self.cost_across(from, end, distance, angle, middle);
-                mends.push(Mend::straight(cost, from, end, Join::On(edge), last));
-            }
+        let cheaper = |a: &Start, b: &Start| a.cost.total_cmp(&b.cost);
+        if starts.len() > LOOKED_AT {
+            starts.select_nth_unstable_by(LOOKED_AT, cheaper);
+            starts.truncate(LOOKED_AT);
         }
-        self.unfocus();
-        self.build_best(mends, &limits, TRIES)
+        starts.sort_by(cheaper);
+        starts
     }
 
     /// What a street across a block costs, of this length and at this angle to square; the more the farther from its middle.
