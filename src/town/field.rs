@@ -17,7 +17,7 @@ const FLAT: f64 = 0.035;
 const ROUND_RINGS: (f64, f64) = (60.0, 280.0);
 /// How square the outer rings are: at 0 they stay round, at 1 their sides are straight for a moment where they cross the
 /// axes of the town, and beyond for longer.
-const SQUARENESS: f64 = 1.8;
+const SQUARENESS: f64 = 1.6;
 
 /// Directions that streets prefer, as a cross at every point: one heading and its three quarter turns.
 #[derive(Clone, Debug, PartialEq)]

@@ -150,7 +150,7 @@ impl<'a> Work<'a> {
         let asked = coarse::coarse_gap(&limits);
         let (straightness, bending, crossings, field_pull, stump, dogleg) = match brief.style.main.field {
             FieldKind::Grid => (0.98, 0.05, 0.75, 1.0, 1.1, 16.0),
-            FieldKind::Radial => (0.9, 0.15, 0.4, 0.9, 0.9, 16.0),
+            FieldKind::Radial => (0.88, 0.2, 0.4, 0.9, 0.9, 16.0),
             FieldKind::Contours => (0.82, 0.2, 0.25, 0.75, 0.5, 0.0),
             FieldKind::Organic => (0.75, 0.2, 0.2, 0.5, 0.8, 0.0),
         };
