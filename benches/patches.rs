@@ -71,6 +71,7 @@ fn style() -> Style {
         angle_deviation_deg: 9.0,
         snap_radius: 20.0,
         clearance: 25.0,
+        ..LocalRules::default()
     };
     style
 }
