@@ -126,6 +126,21 @@ impl Canvas {
         self.free.stamp(self.hulls.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
+    /// Adds an edge to the finished cell, of which rays and the coarse grid are asked no more.
+    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
+        self.graph.add_edge(a, b, made_by);
+        self.index_edges();
+    }
+
+    /// Moves a vertex of the finished cell, of which rays and the coarse grid are asked no more.
+    pub fn move_vertex(&mut self, v: VertexIx, to: DVec2) {
+        self.graph.move_vertex(v, to);
+        for &edge in self.graph.edges_at(v) {
+            let (a, b) = self.graph.segment(edge);
+            self.hulls[self.walls.len() + edge as usize] = Hull::new(a, b, self.origin);
+        }
+    }
+
     /// Puts a vertex at `p` on an edge, or on the part of it that is still there.
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
