@@ -385,7 +385,7 @@ impl<E: Clone> PlanarGraph<E> {
                 }
             }
         }
-        out.sort_by_key(|c: &Vec<(EdgeIx, bool)>| c.iter().map(|(e, _)| *e).min());
+        out.sort_by_cached_key(|c: &Vec<(EdgeIx, bool)>| c.iter().map(|(e, _)| *e).min());
         out
     }
 

@@ -256,25 +256,27 @@ impl Canvas {
         near.tips.clear();
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
-        for (number, hull) in self.hulls.iter().enumerate().skip(self.walls.len()) {
-            let edge = (number - self.walls.len()) as EdgeIx;
-            if hull.overlaps(near.within) && self.graph.is_live(edge) {
-                let e = self.graph.edge(edge);
-                if self.graph.degree(e.a) == 1 || self.graph.degree(e.b) == 1 {
-                    let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-                    self.add_tips(&Seg { a, b, hull: *hull, edge, va: e.a, vb: e.b, floor: 0.0 }, &mut near.tips);
-                }
+        for v in self.graph.vertices().filter(|v| self.is_dead_end(*v)) {
+            let edge = self.graph.edges_at(v)[0];
+            if self.hulls[self.walls.len() + edge as usize].overlaps(near.within) {
+                let from = self.graph.at(self.graph.edge(edge).other(v));
+                near.tips.push(self.tip(v, from));
             }
         }
     }
 
     fn add_tips(&self, s: &Seg, tips: &mut Vec<Tip>) {
-        for (v, at, from) in [(s.va, s.a, s.b), (s.vb, s.b, s.a)] {
+        for (v, from) in [(s.va, s.b), (s.vb, s.a)] {
             if self.is_dead_end(v) {
-                let open = self.nodes[v as usize].open;
-                tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
+                tips.push(self.tip(v, from));
             }
         }
+    }
+
+    /// The dead end `v` of a street that comes from `from`.
+    fn tip(&self, v: VertexIx, from: DVec2) -> Tip {
+        let at = self.graph.at(v);
+        Tip { v, at, lead: (at - from).normalize_or_zero(), open: self.nodes[v as usize].open }
     }
 
     /// First obstacle among those that overlap `within` that the segment `from`-`to` meets, with the parameter and position

@@ -107,7 +107,9 @@ impl Checker {
     /// Finds what is near the joints along the network; false where a street that is divided or a way around a block
     /// breaks a rule.
     fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
-        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
+        // Of a way to what is too near as the crow flies no more than makes it far enough.
+        let enough = |d: &Doubt| if near.segs[d.obstacle].is_wall() { limits.wall_gap.max(30.0) } else { limits.gap };
+        let gaps = self.doubts.iter().map(enough).fold(0.0, f64::max) / WEDGE;
         // Of a way around a block the part along the network may be no longer than what the proposal leaves of it.
         let pairs = self.joints.iter().enumerate().flat_map(|(i, j)| self.joints[..i].iter().map(move |k| (j, k)));
         let through = pairs.map(|(j, k)| j.at.distance(k.at)).fold(f64::INFINITY, f64::min);
@@ -275,7 +277,9 @@ impl Checker {
         let (i, j) = p.edges[index];
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
-        let reach = near.reach(a.min(b) - widest, a.max(b) + widest);
+        let reach = |widest: f64| near.reach(a.min(b) - widest, a.max(b) + widest);
+        // Streets may come nearer than walls.
+        let (to_walls, to_streets) = (reach(widest), reach(limits.gap.max(20.0)));
         let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         let far = (widest + ROUNDING) * (widest + ROUNDING);
@@ -283,7 +287,7 @@ impl Checker {
         let length = step.length();
         let (off, end) = (widest * length + ROUNDING, length * length);
         'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
-            if !s.hull.overlaps(reach) {
+            if !s.hull.overlaps(if s.is_wall() { to_walls } else { to_streets }) {
                 continue;
             }
             // Beyond the same box turned along the edge.

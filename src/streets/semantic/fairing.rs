@@ -115,21 +115,20 @@ impl Work<'_> {
         }
         let at = places[v as usize];
         let arms: Vec<DVec2> = g.neighbours(v).map(|w| places[w as usize]).collect();
-        let way = |i: usize| (arms[i] - at).normalize_or_zero();
-        let mut pairs: Vec<(f64, usize, usize)> = (0..arms.len())
-            .flat_map(|i| (0..i).map(move |k| (i, k)))
-            .map(|(i, k)| (way(i).dot(way(k)), i, k))
-            .filter(|p| p.0 < THROUGH)
-            .collect();
-        pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
-        let &(_, i, k) = pairs.first()?;
+        let ways: Vec<DVec2> = arms.iter().map(|arm| (arm - at).normalize_or_zero()).collect();
+        // Of the pairs of streets of which one goes on as the other, the straightest without these.
+        let straightest = |without: [usize; 2]| {
+            let rest = || (0..arms.len()).filter(move |x| !without.contains(x));
+            let pairs = rest().flat_map(|i| rest().take_while(move |k| *k < i).map(move |k| (i, k)));
+            let pairs = pairs.map(|(i, k)| (ways[i].dot(ways[k]), i, k)).filter(|p| p.0 < THROUGH);
+            pairs.min_by(|x, y| x.0.total_cmp(&y.0))
+        };
+        let (_, i, k) = straightest([usize::MAX; 2])?;
         let (a, b) = (arms[i], arms[k]);
         // The other street: one across, or one that ends here.
-        let across = pairs.iter().find(|p| ![p.1, p.2].iter().any(|x| [i, k].contains(x)));
-        let ending = (0..arms.len()).find(|x| ![i, k].contains(x));
-        let (c, d) = match across {
-            Some(&(_, x, y)) => (arms[x], arms[y]),
-            None => (arms[ending?], at),
+        let (c, d) = match straightest([i, k]) {
+            Some((_, x, y)) => (arms[x], arms[y]),
+            None => (arms[(0..arms.len()).find(|x| ![i, k].contains(x))?], at),
         };
         let (ab, cd) = (b - a, d - c);
         let sine = ab.perp_dot(cd);
