@@ -10,7 +10,7 @@ use rstar::{AABB, RTree, RTreeObject};
 
 /// Index of a vertex; stays valid while the graph grows.
 pub type VertexIx = u32;
-/// Index of an edge; a removed or split edge's index is never used again.
+/// Index of an edge; a removed or split edge's index is never used for another.
 pub type EdgeIx = u32;
 
 /// An edge between two vertices.
@@ -98,6 +98,15 @@ impl Around {
             Self::Many(edges) => edges.retain(|e| *e != edge),
         }
     }
+
+    /// Adds one that was removed, where it was.
+    fn restore(&mut self, edge: EdgeIx) {
+        self.push(edge);
+        match self {
+            Self::Few(count, edges) => edges[..*count as usize].sort_unstable(),
+            Self::Many(edges) => edges.sort_unstable(),
+        }
+    }
 }
 
 /// A planar graph of straight edges that carry `E`.
@@ -160,6 +169,26 @@ impl<E: Clone> PlanarGraph<E> {
             self.around[v as usize].remove(edge);
         }
         Some(removed)
+    }
+
+    /// Puts back an edge that [`remove_edge`](Self::remove_edge) removed, as if it had not been.
+    pub fn restore_edge(&mut self, edge: EdgeIx, removed: Edge<E>) {
+        let indexed = Indexed { edge, a: self.at(removed.a), b: self.at(removed.b) };
+        if let Some(index) = &mut self.index {
+            index.insert(indexed);
+        }
+        for v in [removed.a, removed.b] {
+            self.around[v as usize].restore(edge);
+        }
+        self.edges[edge as usize] = Some(removed);
+    }
+
+    /// Moves a vertex to `p`, rounded to the quantum grid, and the ends of its edges with it.
+    pub fn move_vertex(&mut self, v: VertexIx, p: DVec2) {
+        let edges = self.edges_at(v).to_vec();
+        let taken: Vec<_> = edges.iter().filter_map(|e| Some((*e, self.remove_edge(*e)?))).collect();
+        self.positions[v as usize] = quantize(p);
+        taken.into_iter().for_each(|(e, edge)| self.restore_edge(e, edge));
     }
 
     /// Puts a vertex at `p` on an edge and returns it, or the end of the edge that `p` rounds to.
@@ -356,7 +385,7 @@ impl<E: Clone> PlanarGraph<E> {
                 }
             }
         }
-        out.sort_by_key(|c: &Vec<(EdgeIx, bool)>| c.iter().map(|(e, _)| *e).min());
+        out.sort_by_cached_key(|c: &Vec<(EdgeIx, bool)>| c.iter().map(|(e, _)| *e).min());
         out
     }
 

@@ -126,6 +126,21 @@ impl Canvas {
         self.free.stamp(self.hulls.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
+    /// Adds an edge to the finished cell, of which rays and the coarse grid are asked no more.
+    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
+        self.graph.add_edge(a, b, made_by);
+        self.index_edges();
+    }
+
+    /// Moves a vertex of the finished cell, of which rays and the coarse grid are asked no more.
+    pub fn move_vertex(&mut self, v: VertexIx, to: DVec2) {
+        self.graph.move_vertex(v, to);
+        for &edge in self.graph.edges_at(v) {
+            let (a, b) = self.graph.segment(edge);
+            self.hulls[self.walls.len() + edge as usize] = Hull::new(a, b, self.origin);
+        }
+    }
+
     /// Puts a vertex at `p` on an edge, or on the part of it that is still there.
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
@@ -241,25 +256,27 @@ impl Canvas {
         near.tips.clear();
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
-        for (number, hull) in self.hulls.iter().enumerate().skip(self.walls.len()) {
-            let edge = (number - self.walls.len()) as EdgeIx;
-            if hull.overlaps(near.within) && self.graph.is_live(edge) {
-                let e = self.graph.edge(edge);
-                if self.graph.degree(e.a) == 1 || self.graph.degree(e.b) == 1 {
-                    let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-                    self.add_tips(&Seg { a, b, hull: *hull, edge, va: e.a, vb: e.b, floor: 0.0 }, &mut near.tips);
-                }
+        for v in self.graph.vertices().filter(|v| self.is_dead_end(*v)) {
+            let edge = self.graph.edges_at(v)[0];
+            if self.hulls[self.walls.len() + edge as usize].overlaps(near.within) {
+                let from = self.graph.at(self.graph.edge(edge).other(v));
+                near.tips.push(self.tip(v, from));
             }
         }
     }
 
     fn add_tips(&self, s: &Seg, tips: &mut Vec<Tip>) {
-        for (v, at, from) in [(s.va, s.a, s.b), (s.vb, s.b, s.a)] {
+        for (v, from) in [(s.va, s.b), (s.vb, s.a)] {
             if self.is_dead_end(v) {
-                let open = self.nodes[v as usize].open;
-                tips.push(Tip { v, at, lead: (at - from).normalize_or_zero(), open });
+                tips.push(self.tip(v, from));
             }
         }
+    }
+
+    /// The dead end `v` of a street that comes from `from`.
+    fn tip(&self, v: VertexIx, from: DVec2) -> Tip {
+        let at = self.graph.at(v);
+        Tip { v, at, lead: (at - from).normalize_or_zero(), open: self.nodes[v as usize].open }
     }
 
     /// First obstacle among those that overlap `within` that the segment `from`-`to` meets, with the parameter and position

@@ -52,10 +52,14 @@ impl Checker {
     /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
     /// within the gaps around it. A proposal must keep the rules inside itself.
     pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+        self.find_joints(canvas, p, limits) && self.check_apart(canvas, p, near, limits)
+    }
+
+    /// What is left of [`check`](Self::check) after [`find_joints`](Self::find_joints).
+    pub fn check_apart(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
         self.doubts.clear();
         // Ways along the network cost the most, and most proposals fail without.
-        self.find_joints(canvas, p, limits)
-            && (0..p.edges.len()).all(|i| self.edge_fits(canvas, p, i, near, limits))
+        (0..p.edges.len()).all(|i| self.edge_fits(canvas, p, i, near, limits))
             && self.joints_keep_ways(canvas, p, near, limits)
             && self
                 .doubts
@@ -63,8 +67,8 @@ impl Checker {
                 .all(|d| d.distance >= self.needed(d.index, &near.segs[d.obstacle], d.q, d.r, d.loose, limits))
     }
 
-    /// Finds the joints; false where one of them breaks a rule.
-    fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
+    /// Finds the joints, for which no obstacles are needed; false where one of them breaks a rule.
+    pub fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
@@ -103,21 +107,28 @@ impl Checker {
     /// Finds what is near the joints along the network; false where a street that is divided or a way around a block
     /// breaks a rule.
     fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
-        let gaps = 2.0 * limits.gap.max(limits.wall_gap).max(30.0);
+        // Of a way to what is too near as the crow flies no more than makes it far enough.
+        let enough = |d: &Doubt| if near.segs[d.obstacle].is_wall() { limits.wall_gap.max(30.0) } else { limits.gap };
+        let gaps = self.doubts.iter().map(enough).fold(0.0, f64::max) / WEDGE;
         // Of a way around a block the part along the network may be no longer than what the proposal leaves of it.
         let pairs = self.joints.iter().enumerate().flat_map(|(i, j)| self.joints[..i].iter().map(move |k| (j, k)));
         let through = pairs.map(|(j, k)| j.at.distance(k.at)).fold(f64::INFINITY, f64::min);
         let reach = gaps.max(limits.min_round - through + ROUNDING);
-        let mut joints = std::mem::take(&mut self.joints);
-        let fits = joints.iter_mut().all(|joint| {
+        let fits = self.joints.iter_mut().all(|joint| {
             let divides = joint.vertex == NONE || canvas.graph.degree(joint.vertex) == 2;
             (!divides || keeps_off_walls(joint, near)) && {
-                self.measure_around(canvas, joint, reach);
+                find_shared(canvas, joint);
                 !divides || parts_stay_apart(joint, near)
             }
         });
+        // Ways are at least as long as straight lines, and so are only asked of joints that are near each other.
+        if !fits || self.doubts.is_empty() && 2.0 * through >= limits.min_round + ROUNDING {
+            return fits;
+        }
+        let mut joints = std::mem::take(&mut self.joints);
+        joints.iter_mut().for_each(|joint| self.measure_around(canvas, joint, reach));
         self.joints = joints;
-        fits && self.joints.iter().enumerate().all(|(i, j)| {
+        self.joints.iter().enumerate().all(|(i, j)| {
             self.joints[..i].iter().all(|k| {
                 let way = j.way_to(k, canvas);
                 j.at.distance(k.at) + way >= limits.min_round || p.way(j.point, k.point) + way >= limits.min_round
@@ -183,31 +194,13 @@ impl Checker {
     fn measure_around(&mut self, canvas: &Canvas, joint: &mut Joint, reach: f64) {
         let g = &canvas.graph;
         joint.reached.clear();
-        joint.shared.clear();
         joint.ports.clear();
         self.frontier.clear();
         if joint.vertex != NONE {
             self.frontier.push((joint.vertex, 0.0));
-            for &e in g.edges_at(joint.vertex) {
-                let (end, _) = canvas.follow(joint.vertex, e, |x| joint.shared.push(x));
-                if g.degree(joint.vertex) == 1 {
-                    // The proposal goes on with this street, and so meets what meets it at its other end.
-                    for &other in g.edges_at(end) {
-                        canvas.follow(end, other, |x| joint.shared.push(x));
-                    }
-                }
-            }
         } else {
             let e = g.edge(joint.edge);
-            joint.shared.push(joint.edge);
-            for (end, at) in [(e.a, g.at(e.a)), (e.b, g.at(e.b))] {
-                self.frontier.push((end, joint.at.distance(at)));
-                if !canvas.is_end(end) {
-                    for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
-                        canvas.follow(end, next, |x| joint.shared.push(x));
-                    }
-                }
-            }
+            self.frontier.extend([e.a, e.b].map(|end| (end, joint.at.distance(g.at(end)))));
         }
         self.search = self.search.wrapping_add(1);
         let search = self.search;
@@ -284,7 +277,9 @@ impl Checker {
         let (i, j) = p.edges[index];
         let (a, b) = (p.points[i], p.points[j]);
         let widest = limits.gap.max(limits.wall_gap).max(20.0);
-        let reach = near.reach(a.min(b) - widest, a.max(b) + widest);
+        let reach = |widest: f64| near.reach(a.min(b) - widest, a.max(b) + widest);
+        // Streets may come nearer than walls.
+        let (to_walls, to_streets) = (reach(widest), reach(limits.gap.max(20.0)));
         let open = |point: usize| !p.joined(point) && self.degrees[point] == 1;
         let (open_a, open_b) = (open(i), open(j));
         let far = (widest + ROUNDING) * (widest + ROUNDING);
@@ -292,7 +287,7 @@ impl Checker {
         let length = step.length();
         let (off, end) = (widest * length + ROUNDING, length * length);
         'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
-            if !s.hull.overlaps(reach) {
+            if !s.hull.overlaps(if s.is_wall() { to_walls } else { to_streets }) {
                 continue;
             }
             // Beyond the same box turned along the edge.
@@ -352,6 +347,9 @@ impl Checker {
                 if distance >= widest || (distance >= TIP_GAP.min(limits.gap) && tip(r)) {
                     continue;
                 }
+                if distance >= surely_enough(s, loose, limits) {
+                    continue;
+                }
                 if distance < self.surely_needed(index, s, q, r, loose, limits) - ROUNDING {
                     return false;
                 }
@@ -404,6 +402,37 @@ impl Checker {
             needed = needed.max(STREET_FLOOR);
         }
         if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
+    }
+}
+
+/// No less than [`Checker::needed`]: what is asked of streets that are far apart along the network.
+fn surely_enough(s: &Seg, loose: bool, limits: &Limits) -> f64 {
+    let enough = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap.max(STREET_FLOOR) };
+    if loose { enough.max(DEAD_END_FLOOR) } else { enough }
+}
+
+/// Finds the edges of the street that a joint is on, and of what that meets at the ends that the proposal goes on from.
+fn find_shared(canvas: &Canvas, joint: &mut Joint) {
+    let g = &canvas.graph;
+    joint.shared.clear();
+    if joint.vertex != NONE {
+        for &e in g.edges_at(joint.vertex) {
+            let (end, _) = canvas.follow(joint.vertex, e, |x| joint.shared.push(x));
+            if g.degree(joint.vertex) == 1 {
+                // The proposal goes on with this street, and so meets what meets it at its other end.
+                for &other in g.edges_at(end) {
+                    canvas.follow(end, other, |x| joint.shared.push(x));
+                }
+            }
+        }
+    } else {
+        let e = g.edge(joint.edge);
+        joint.shared.push(joint.edge);
+        for end in [e.a, e.b].into_iter().filter(|end| !canvas.is_end(*end)) {
+            for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
+                canvas.follow(end, next, |x| joint.shared.push(x));
+            }
+        }
     }
 }
 

@@ -17,7 +17,7 @@ const THROUGH: f64 = -0.87;
 /// Metres from which moving a junction is worth it.
 const WORTH: f64 = 0.5;
 
-/// Rounds: a junction that has moved lets its neighbours move.
+/// Rounds in which it is seen where junctions would come to lie: one that has moved lets its neighbours move.
 const ROUNDS: usize = 3;
 
 impl Work<'_> {
@@ -25,9 +25,7 @@ impl Work<'_> {
     pub(super) fn make_fair(&mut self) {
         if self.dogleg > 0.0 {
             self.straighten_streets();
-            for _ in 0..ROUNDS {
-                self.align_junctions();
-            }
+            self.align_junctions();
         }
     }
 
@@ -46,61 +44,91 @@ impl Work<'_> {
             let made_by = self.maker(&chain);
             let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
             self.proposal.line(&[a, b], self.rejoin(first), self.rejoin(last));
-            if self.leaves_port(first, b) && self.leaves_port(last, a) && self.take_for_proposal(&edges).is_some() {
-                self.canvas.add_edge(first, last, made_by);
+            if !self.leaves_port(first, b) || !self.leaves_port(last, a) {
+                continue;
+            }
+            let taken = self.take_away(&edges);
+            if self.proposal_fits() {
+                self.canvas.add_last_edge(first, last, made_by);
+            } else {
+                self.put_back(&edges, taken);
             }
         }
     }
 
     /// Moves junctions to where the streets that go on across them do so straight.
     fn align_junctions(&mut self) {
-        for v in 0..self.canvas.graph.vertex_count() as VertexIx {
-            let node = self.canvas.nodes[v as usize];
-            if self.canvas.graph.degree(v) < 3 || node.port.is_some() || node.pinned {
-                continue;
-            }
-            let arms: Vec<VertexIx> = self.canvas.graph.neighbours(v).collect();
-            let Some(to) = self.straight_on(v, &arms) else { continue };
-            let moved = to.distance(self.canvas.graph.at(v));
-            if moved < WORTH || moved > self.dogleg || !arms.iter().all(|w| self.leaves_port(*w, to)) {
-                continue;
-            }
-            self.proposal.clear();
-            self.proposal.push(to, Join::Free(false));
-            for (i, w) in arms.iter().enumerate() {
-                let join = self.rejoin(*w);
-                self.proposal.push(self.canvas.graph.at(*w), join);
-                self.proposal.edges.push((0, i + 1));
-            }
-            let edges = self.canvas.graph.edges_at(v).to_vec();
-            if let Some(taken) = self.take_for_proposal(&edges) {
-                let there = self.canvas.add_vertex(to, node);
-                for edge in taken {
-                    self.canvas.add_edge(there, edge.other(v), edge.data);
+        // First it is seen where all would come to lie if all could, then each is moved there, and then those next to one
+        // that could not.
+        let g = &self.canvas.graph;
+        let mut places: Vec<DVec2> = g.vertices().map(|v| g.at(v)).collect();
+        for _ in 0..ROUNDS {
+            for v in 0..places.len() as VertexIx {
+                if let Some(to) = self.straight_on(v, &places) {
+                    places[v as usize] = to;
                 }
+            }
+        }
+        for v in 0..places.len() as VertexIx {
+            self.move_junction(v, places[v as usize]);
+        }
+        let g = &self.canvas.graph;
+        places.iter_mut().zip(g.vertices()).for_each(|(p, v)| *p = g.at(v));
+        for v in 0..places.len() as VertexIx {
+            if let Some(to) = self.straight_on(v, &places)
+                && self.move_junction(v, to)
+            {
+                places[v as usize] = to;
             }
         }
     }
 
-    /// Where the streets from `arms` that go on across `v` do so straight; `None` where none does.
-    fn straight_on(&self, v: VertexIx, arms: &[VertexIx]) -> Option<DVec2> {
+    /// Moves the junction `v` if that is worth it and keeps the rules.
+    fn move_junction(&mut self, v: VertexIx, to: DVec2) -> bool {
         let g = &self.canvas.graph;
-        let at = g.at(v);
-        let way = |i: usize| (g.at(arms[i]) - at).normalize_or_zero();
-        let mut pairs: Vec<(f64, usize, usize)> = (0..arms.len())
-            .flat_map(|i| (0..i).map(move |k| (i, k)))
-            .map(|(i, k)| (way(i).dot(way(k)), i, k))
-            .filter(|p| p.0 < THROUGH)
-            .collect();
-        pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
-        let &(_, i, k) = pairs.first()?;
-        let (a, b) = (g.at(arms[i]), g.at(arms[k]));
+        if to.distance_squared(g.at(v)) < WORTH * WORTH || !g.neighbours(v).all(|w| self.leaves_port(w, to)) {
+            return false;
+        }
+        self.proposal.clear();
+        self.proposal.push(to, Join::Free(false));
+        for (i, w) in g.neighbours(v).enumerate() {
+            self.proposal.push(g.at(w), self.rejoin(w));
+            self.proposal.edges.push((0, i + 1));
+        }
+        let edges = g.edges_at(v).to_vec();
+        let taken = self.take_away(&edges);
+        let fits = self.proposal_fits();
+        self.put_back(&edges, taken);
+        if fits {
+            self.canvas.move_vertex(v, to);
+        }
+        fits
+    }
+
+    /// Where the streets that go on across the junction `v` do so straight, with all vertices at these places; `None` where
+    /// none does, where it is too far and for what may not move.
+    fn straight_on(&self, v: VertexIx, places: &[DVec2]) -> Option<DVec2> {
+        let node = self.canvas.nodes[v as usize];
+        let g = &self.canvas.graph;
+        if g.degree(v) < 3 || node.port.is_some() || node.pinned {
+            return None;
+        }
+        let at = places[v as usize];
+        let arms: Vec<DVec2> = g.neighbours(v).map(|w| places[w as usize]).collect();
+        let ways: Vec<DVec2> = arms.iter().map(|arm| (arm - at).normalize_or_zero()).collect();
+        // Of the pairs of streets of which one goes on as the other, the straightest without these.
+        let straightest = |without: [usize; 2]| {
+            let rest = || (0..arms.len()).filter(move |x| !without.contains(x));
+            let pairs = rest().flat_map(|i| rest().take_while(move |k| *k < i).map(move |k| (i, k)));
+            let pairs = pairs.map(|(i, k)| (ways[i].dot(ways[k]), i, k)).filter(|p| p.0 < THROUGH);
+            pairs.min_by(|x, y| x.0.total_cmp(&y.0))
+        };
+        let (_, i, k) = straightest([usize::MAX; 2])?;
+        let (a, b) = (arms[i], arms[k]);
         // The other street: one across, or one that ends here.
-        let across = pairs.iter().find(|p| ![p.1, p.2].iter().any(|x| [i, k].contains(x)));
-        let ending = (0..arms.len()).find(|x| ![i, k].contains(x));
-        let (c, d) = match across {
-            Some(&(_, x, y)) => (g.at(arms[x]), g.at(arms[y])),
-            None => (g.at(arms[ending?]), at),
+        let (c, d) = match straightest([i, k]) {
+            Some((_, x, y)) => (arms[x], arms[y]),
+            None => (arms[(0..arms.len()).find(|x| ![i, k].contains(x))?], at),
         };
         let (ab, cd) = (b - a, d - c);
         let sine = ab.perp_dot(cd);
@@ -108,7 +136,8 @@ impl Work<'_> {
             return None;
         }
         let t = (c - a).perp_dot(cd) / sine;
-        (0.0..=1.0).contains(&t).then(|| quantize(a + ab * t))
+        let to = quantize(a + ab * t);
+        ((0.0..=1.0).contains(&t) && to.distance(g.at(v)) <= self.dogleg).then_some(to)
     }
 
     /// How a new street meets the vertex `v` in the place of the one that goes: a dead end is a free end.
@@ -124,17 +153,23 @@ impl Work<'_> {
         })
     }
 
-    /// Takes edges away if the proposal may be built in their place, and returns what they were; else they stay.
-    fn take_for_proposal(&mut self, edges: &[EdgeIx]) -> Option<Vec<Edge<MadeBy>>> {
-        let taken: Vec<_> = edges.iter().filter_map(|e| self.canvas.graph.remove_edge(*e)).collect();
-        let reach = self.relaxed.gap.max(self.relaxed.wall_gap).max(30.0) + 1.0;
-        self.canvas.gather(Bounds::of(self.proposal.points.iter().copied()), reach, &mut self.near);
-        if self.checker.check(&self.canvas, &self.proposal, &self.near, &self.relaxed) {
-            return Some(taken);
+    fn take_away(&mut self, edges: &[EdgeIx]) -> Vec<Edge<MadeBy>> {
+        edges.iter().filter_map(|e| self.canvas.graph.remove_edge(*e)).collect()
+    }
+
+    fn put_back(&mut self, edges: &[EdgeIx], taken: Vec<Edge<MadeBy>>) {
+        edges.iter().zip(taken).for_each(|(e, edge)| self.canvas.graph.restore_edge(*e, edge));
+    }
+
+    /// Whether the proposal keeps the rules of the repair.
+    fn proposal_fits(&mut self) -> bool {
+        let limits = &self.relaxed;
+        if !self.checker.find_joints(&self.canvas, &self.proposal, limits) {
+            return false;
         }
-        for edge in taken {
-            self.canvas.add_edge(edge.a, edge.b, edge.data);
-        }
-        None
+        let reach = limits.gap.max(limits.wall_gap).max(30.0) + 1.0;
+        let bounds = Bounds::of(self.proposal.points.iter().copied()).grown(reach);
+        self.canvas.gather_segs(bounds, &mut self.near);
+        self.checker.check_apart(&self.canvas, &self.proposal, &self.near, limits)
     }
 }
