@@ -146,9 +146,9 @@ impl PatchDatabase {
         Self { patches, facts, patterns: Vec::new(), passages, by_radius, by_tag }
     }
 
-    /// All passages between vertices `distance` metres apart, give or take `tolerance`, that leave and arrive at `headings`,
-    /// give or take `most` radians. O(log c) and
-    /// as many as head about so.
+    /// All passages between vertices `distance` metres apart, give or take `tolerance`, that leave and arrive at `headings`
+    /// (-pi..=pi), give or take `most` radians; those that turn back, beyond pi, are not looked for on the other side. O(log c)
+    /// and as many as head about so.
     pub fn passages_near(
         &self,
         distance: f64,

@@ -62,8 +62,8 @@ pub struct Across<'a> {
 ///
 /// Both sides of a street propose ports, each from the style of its cell and a stream of its own; proposals are paired by
 /// PatchCity's cost (section 3.1, equations 1 to 4, in the order along the seam), a pair moves half its distance to one
-/// crossing, and what stays alone is a T. Cells that got fewer ports than their style asks for then get more where there is room. Along a
-/// border each of the two towns proposes for its side from its own styles, and both find the same ports.
+/// crossing, and what stays alone is a T. Cells that got fewer ports than their style asks for then get more where there is
+/// room. Along a border each of the two towns proposes for its side from its own styles, and both find the same ports.
 pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) -> Vec<Seam> {
     let towns: Vec<Surveyed> = std::iter::once((true, Across { town, styles }))
         .chain(across.iter().map(|a| (false, *a)))
@@ -288,11 +288,7 @@ fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) 
 fn supply_cells(own: Across<'_>, brinks: &[Brink], all: &mut [Vec<Attached>]) {
     let town = own.town;
     for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.used_as == CellUse::Built) {
-        let mut sides: Vec<(usize, Hand)> = cell
-            .sides
-            .iter()
-            .filter_map(|s| Some((s.main?, if s.forward { Hand::Left } else { Hand::Right })))
-            .collect();
+        let mut sides: Vec<(usize, Hand)> = cell.sides.iter().filter_map(|s| Some((s.main?, Hand::of(s)))).collect();
         sides.sort_by(|a, b| {
             let length = |s: &(usize, Hand)| town.mains[s.0].street.length();
             length(b).total_cmp(&length(a)).then(a.0.cmp(&b.0))

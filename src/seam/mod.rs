@@ -1,8 +1,7 @@
 //! Layer 5: seams. Along each main street the two cells beside it propose attachment points from their styles, each in line
 //! with those on its other sides where the style is one of surveyors; matched, they become ports that both cells start from.
 //! Reads town and styles; the result is a function of the street, its two cells, their styles and the town's field alone, so
-//! the padding is that of the town. Along a border the two cells are of two towns, and the
-//! seam reads both plans.
+//! the padding is that of the town. Along a border the two cells are of two towns, and the seam reads both plans.
 
 mod cut;
 mod matching;

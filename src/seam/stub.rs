@@ -5,7 +5,7 @@ use super::survey::Mark;
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{CellUse, MainCell, MainStreet, Style, Town};
+use crate::town::{CellSide, CellUse, MainCell, MainStreet, Style, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep
@@ -17,7 +17,7 @@ const STRAIGHT: f64 = 8.0;
 const BEND: f64 = 0.6;
 
 /// A side of a main street.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Hand {
     /// Left of the street's line.
     Left,
@@ -26,6 +26,11 @@ pub(super) enum Hand {
 }
 
 impl Hand {
+    /// The side of its main street that a side of a cell is.
+    pub fn of(side: &CellSide) -> Self {
+        if side.forward { Self::Left } else { Self::Right }
+    }
+
     /// Index of the cell on this side of a main street.
     pub fn cell(self, street: &MainStreet) -> usize {
         match self {
@@ -108,7 +113,7 @@ pub(super) fn has_room(kerb: &Kerb, spot: &Spot) -> bool {
     let reach = Bounds::of([from, tip]).grown(ROOM);
     let n = cell.border.len();
     cell.sides.iter().all(|side| {
-        let same = side.main == Some(main) && side.forward == (hand == Hand::Left);
+        let same = side.main == Some(main) && Hand::of(side) == hand;
         (0..side.count).all(|i| {
             let (a, b) = (cell.border[side.first + i], cell.border[(side.first + i + 1) % n]);
             if !reach.overlaps(Bounds::of([a, b])) {

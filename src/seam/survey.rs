@@ -33,8 +33,8 @@ pub(super) struct Mark {
 pub(super) fn marks(seed: Seed, town: &Town, cell: &MainCell, style: &Style) -> Vec<Mark> {
     let rules = &style.seam;
     let mut sides: Vec<Side> = cell.sides.iter().filter_map(|side| Side::new(town, side)).collect();
-    sides.sort_by(|a, b| b.length.total_cmp(&a.length).then((a.main, a.hand as u8).cmp(&(b.main, b.hand as u8))));
-    sides.dedup_by_key(|s| (s.main, s.hand as u8));
+    sides.sort_by(|a, b| b.length.total_cmp(&a.length).then((a.main, a.hand).cmp(&(b.main, b.hand))));
+    sides.dedup_by_key(|s| (s.main, s.hand));
     let surveyed = matches!(style.main.field, FieldKind::Grid | FieldKind::Radial);
     let mut out: Vec<Mark> = Vec::new();
     for side in &sides {
@@ -58,7 +58,7 @@ pub(super) fn marks(seed: Seed, town: &Town, cell: &MainCell, style: &Style) -> 
             }
         }
     }
-    out.sort_by(|a, b| (a.main, a.hand as u8).cmp(&(b.main, b.hand as u8)).then(a.along.total_cmp(&b.along)));
+    out.sort_by(|a, b| (a.main, a.hand).cmp(&(b.main, b.hand)).then(a.along.total_cmp(&b.along)));
     out
 }
 
@@ -72,8 +72,7 @@ struct Side {
 impl Side {
     fn new(town: &Town, side: &CellSide) -> Option<Self> {
         let main = side.main?;
-        let hand = if side.forward { Hand::Left } else { Hand::Right };
-        Some(Self { main, hand, length: town.mains[main].street.length() })
+        Some(Self { main, hand: Hand::of(side), length: town.mains[main].street.length() })
     }
 }
 
@@ -121,7 +120,7 @@ pub(super) fn opposite(town: &Town, cell: &MainCell, main: usize, hand: Hand, al
     }
     let n = cell.border.len();
     let others = || {
-        cell.sides.iter().filter(|s| !(s.main == Some(main) && s.forward == (hand == Hand::Left))).flat_map(|s| {
+        cell.sides.iter().filter(|s| !(s.main == Some(main) && Hand::of(s) == hand)).flat_map(|s| {
             (0..s.count).map(move |i| (s, i, cell.border[s.first + i], cell.border[(s.first + i + 1) % n]))
         })
     };
@@ -136,9 +135,9 @@ pub(super) fn opposite(town: &Town, cell: &MainCell, main: usize, hand: Hand, al
                 return None;
             }
             let line = &town.mains[main].street.line;
-            let (segment, hand) = if s.forward { (i, Hand::Left) } else { (s.count - 1 - i, Hand::Right) };
+            let segment = if s.forward { i } else { s.count - 1 - i };
             let before: f64 = line[..=segment].windows(2).map(|w| w[0].distance(w[1])).sum();
-            return Some(Mark { main, hand, along: before + line[segment].distance(x.at) });
+            return Some(Mark { main, hand: Hand::of(s), along: before + line[segment].distance(x.at) });
         }
         at = next;
         heading = town.field.along(at, heading);

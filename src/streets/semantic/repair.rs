@@ -11,6 +11,7 @@ use crate::space::{
 };
 use crate::streets::MadeBy;
 use glam::DVec2;
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 
@@ -361,7 +362,12 @@ impl Work<'_> {
                 }
             }
         }
-        let cheaper = |a: &Start, b: &Start| a.cost.total_cmp(&b.cost);
+        // Of two that cost the same always the same one, whatever the order in which a selection leaves them.
+        let key = |s: &Start| [s.cost, s.from.x, s.from.y, s.square.x, s.square.y, s.angle];
+        let cheaper = |a: &Start, b: &Start| {
+            let differ = key(a).iter().zip(key(b)).map(|(x, y)| x.total_cmp(&y)).find(|o| o.is_ne());
+            differ.unwrap_or(Ordering::Equal)
+        };
         if starts.len() > LOOKED_AT {
             starts.select_nth_unstable_by(LOOKED_AT, cheaper);
             starts.truncate(LOOKED_AT);
