@@ -98,15 +98,6 @@ impl Around {
             Self::Many(edges) => edges.retain(|e| *e != edge),
         }
     }
-
-    /// Adds one that was removed, where it was.
-    fn restore(&mut self, edge: EdgeIx) {
-        self.push(edge);
-        match self {
-            Self::Few(count, edges) => edges[..*count as usize].sort_unstable(),
-            Self::Many(edges) => edges.sort_unstable(),
-        }
-    }
 }
 
 /// A planar graph of straight edges that carry `E`.
@@ -171,24 +162,20 @@ impl<E: Clone> PlanarGraph<E> {
         Some(removed)
     }
 
-    /// Puts back an edge that [`remove_edge`](Self::remove_edge) removed, as if it had not been.
-    pub fn restore_edge(&mut self, edge: EdgeIx, removed: Edge<E>) {
-        let indexed = Indexed { edge, a: self.at(removed.a), b: self.at(removed.b) };
-        if let Some(index) = &mut self.index {
-            index.insert(indexed);
-        }
-        for v in [removed.a, removed.b] {
-            self.around[v as usize].restore(edge);
-        }
-        self.edges[edge as usize] = Some(removed);
-    }
-
     /// Moves a vertex to `p`, rounded to the quantum grid, and the ends of its edges with it.
     pub fn move_vertex(&mut self, v: VertexIx, p: DVec2) {
-        let edges = self.edges_at(v).to_vec();
-        let taken: Vec<_> = edges.iter().filter_map(|e| Some((*e, self.remove_edge(*e)?))).collect();
+        let indexed = |graph: &Self, edge: EdgeIx| {
+            let (a, b) = graph.segment(edge);
+            Indexed { edge, a, b }
+        };
+        let edges = if self.index.is_some() { self.edges_at(v).to_vec() } else { Vec::new() };
+        let before: Vec<Indexed> = edges.iter().map(|e| indexed(self, *e)).collect();
         self.positions[v as usize] = quantize(p);
-        taken.into_iter().for_each(|(e, edge)| self.restore_edge(e, edge));
+        let after: Vec<Indexed> = edges.iter().map(|e| indexed(self, *e)).collect();
+        if let Some(index) = &mut self.index {
+            before.iter().for_each(|e| drop(index.remove(e)));
+            after.into_iter().for_each(|e| index.insert(e));
+        }
     }
 
     /// Puts a vertex at `p` on an edge and returns it, or the end of the edge that `p` rounds to.

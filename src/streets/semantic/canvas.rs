@@ -1,5 +1,6 @@
 //! What a cell is drawn on: the growing graph of local streets and the walls around it.
 
+use super::bands::Bands;
 use super::free::FreeGrid;
 use super::near::{Hull, NONE, Near, Ray, Reach, Seg, Tip};
 use super::proposal::{Join, Proposal};
@@ -29,14 +30,6 @@ pub(super) struct Node {
     pub pinned: bool,
 }
 
-/// A border edge of the cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wall {
-    a: DVec2,
-    b: DVec2,
-    floor: f64,
-}
-
 /// Where an edge was divided.
 #[derive(Clone, Copy)]
 struct Division {
@@ -55,15 +48,18 @@ pub(super) struct Canvas {
     pub nodes: Vec<Node>,
     /// Free room around every point.
     pub free: FreeGrid,
-    walls: Vec<Wall>,
-    /// Boxes of the walls and after them of the edges, by index; those of removed edges may stay.
-    hulls: Vec<Hull>,
+    /// The walls and after them the edges, by index; those of removed edges stay.
+    obstacles: Vec<Seg>,
+    /// Their numbers by place.
+    bands: Bands,
+    /// The same along a ray.
+    squares: Squares,
+    /// Number of walls.
+    walls: usize,
     /// By edge, where it was divided.
     divisions: Vec<Option<Division>>,
     /// Whether the streets at the ports are stamped.
     knows_stubs: bool,
-    /// Walls and edges by place, numbered likewise.
-    squares: Squares,
     origin: DVec2,
 }
 
@@ -73,23 +69,31 @@ impl Canvas {
     pub fn new(brief: &CellBrief<'_>, asked: f64) -> Self {
         let n = brief.border.len();
         let origin = brief.border.first().copied().unwrap_or_default();
-        let walls: Vec<Wall> = (0..n)
+        let obstacles: Vec<Seg> = (0..n)
             .map(|i| {
                 let half = brief.street_half_width.get(i).copied().flatten();
                 let floor = half.map_or(OPEN_SIDE, |h| h + StreetClass::Local.half_width() + WALL_MARGIN);
                 let (a, b) = (brief.border[i], brief.border[(i + 1) % n]);
-                Wall { a, b, floor }
+                Seg { a, b, hull: Hull::new(a, b, origin), edge: NONE, va: NONE, vb: NONE, floor }
             })
             .filter(|w| w.a != w.b)
             .collect();
         let mut free = FreeGrid::new(brief.border, asked);
-        walls.iter().enumerate().for_each(|(i, w)| free.stamp(i, w.a, w.b));
-        let graph = PlanarGraph::without_index();
-        let hulls = walls.iter().map(|w| Hull::new(w.a, w.b, origin)).collect();
-        let mut squares = Squares::new(Bounds::of(brief.border.iter().copied()));
-        walls.iter().for_each(|w| squares.add(w.a, w.b));
-        let (nodes, divisions, knows_stubs) = (Vec::new(), Vec::new(), false);
-        let mut canvas = Self { graph, nodes, free, walls, hulls, divisions, knows_stubs, squares, origin };
+        obstacles.iter().enumerate().for_each(|(i, w)| free.stamp(i, w.a, w.b));
+        let bounds = Bounds::of(brief.border.iter().copied());
+        let mut canvas = Self {
+            graph: PlanarGraph::without_index(),
+            nodes: Vec::new(),
+            free,
+            walls: obstacles.len(),
+            obstacles: Vec::new(),
+            bands: Bands::new(bounds),
+            squares: Squares::new(bounds),
+            divisions: Vec::new(),
+            knows_stubs: false,
+            origin,
+        };
+        obstacles.into_iter().enumerate().for_each(|(i, w)| canvas.put(i, w));
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
         }
@@ -110,34 +114,48 @@ impl Canvas {
 
     /// Puts the youngest edges among the obstacles.
     fn index_edges(&mut self) {
-        for edge in self.hulls.len() - self.walls.len()..self.graph.edge_count() {
+        for edge in self.obstacles.len() - self.walls..self.graph.edge_count() {
             // Every edge is indexed before it can be removed.
-            let (a, b) = self.graph.segment(edge as EdgeIx);
-            self.hulls.push(Hull::new(a, b, self.origin));
-            self.squares.add(a, b);
+            self.put(self.obstacles.len(), self.seg(edge as EdgeIx));
             self.divisions.push(None);
         }
+    }
+
+    /// Puts an obstacle in its place among the others, of which one there is already goes.
+    fn put(&mut self, number: usize, s: Seg) {
+        self.squares.put(number as u32, s.a, s.b);
+        self.bands.put(number, Bounds::of([s.a, s.b]));
+        match self.obstacles.get_mut(number) {
+            Some(place) => *place = s,
+            None => self.obstacles.push(s),
+        }
+    }
+
+    /// An edge as an obstacle.
+    fn seg(&self, edge: EdgeIx) -> Seg {
+        let e = self.graph.edge(edge);
+        let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
+        Seg { a, b, hull: Hull::new(a, b, self.origin), edge, va: e.a, vb: e.b, floor: 0.0 }
     }
 
     /// Adds an edge.
     pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
-        self.free.stamp(self.hulls.len() - 1, self.graph.at(a), self.graph.at(b));
+        self.free.stamp(self.obstacles.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
-    /// Adds an edge to the finished cell, of which rays and the coarse grid are asked no more.
+    /// Adds an edge to the finished cell, of which the coarse grid is asked no more.
     pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
     }
 
-    /// Moves a vertex of the finished cell, of which rays and the coarse grid are asked no more.
+    /// Moves a vertex of the finished cell, of which the coarse grid is asked no more.
     pub fn move_vertex(&mut self, v: VertexIx, to: DVec2) {
         self.graph.move_vertex(v, to);
-        for &edge in self.graph.edges_at(v) {
-            let (a, b) = self.graph.segment(edge);
-            self.hulls[self.walls.len() + edge as usize] = Hull::new(a, b, self.origin);
+        for edge in self.graph.edges_at(v).to_vec() {
+            self.put(self.walls + edge as usize, self.seg(edge));
         }
     }
 
@@ -151,7 +169,6 @@ impl Canvas {
         let first = self.graph.edge_count() as EdgeIx;
         let v = self.graph.split_edge(edge, p);
         if !self.graph.is_live(edge) {
-            self.hulls[self.walls.len() + edge as usize] = Hull::NOWHERE;
             self.divisions[edge as usize] = Some(Division { at: p, along, first });
         }
         self.index_edges();
@@ -198,34 +215,30 @@ impl Canvas {
     pub fn stamp_stubs(&mut self, ports: &[CellPort]) {
         for (i, port) in ports.iter().enumerate() {
             let edge = self.graph.edges_at(i as VertexIx).first().copied().unwrap_or_default();
-            self.free.stamp(self.walls.len() + edge as usize, port.at, port.at + port.inward * STUB_LENGTH);
+            self.free.stamp(self.walls + edge as usize, port.at, port.at + port.inward * STUB_LENGTH);
         }
         self.knows_stubs = true;
     }
 
     /// About the obstacle that is nearest to a place [counted in squares](FreeGrid::in_squares); `None` where that is no
     /// longer there.
-    pub fn nearest(&self, square: Vec2) -> Option<Seg> {
+    pub fn nearest(&self, square: Vec2) -> Option<&Seg> {
         let mut number = self.free.nearest_at_square(square)?;
-        while let Some(&Some(d)) = self.divisions.get(number.wrapping_sub(self.walls.len())) {
+        while let Some(&Some(d)) = self.divisions.get(number.wrapping_sub(self.walls)) {
             let first = (self.free.place(square) - d.at).dot(d.along) < 0.0;
-            number = self.walls.len() + d.first as usize + usize::from(!first);
+            number = self.walls + d.first as usize + usize::from(!first);
         }
         self.obstacle(number)
     }
 
     /// The wall or edge of this number among the obstacles; `None` for an edge that was removed.
-    fn obstacle(&self, number: usize) -> Option<Seg> {
-        let hull = self.hulls[number];
-        if let Some(w) = self.walls.get(number) {
-            return Some(Seg { a: w.a, b: w.b, hull, edge: NONE, va: NONE, vb: NONE, floor: w.floor });
-        }
-        let edge = (number - self.walls.len()) as EdgeIx;
-        self.graph.is_live(edge).then(|| {
-            let e = self.graph.edge(edge);
-            let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-            Seg { a, b, hull, edge, va: e.a, vb: e.b, floor: 0.0 }
-        })
+    fn obstacle(&self, number: usize) -> Option<&Seg> {
+        let s = &self.obstacles[number];
+        self.is_there(s).then_some(s)
+    }
+
+    fn is_there(&self, s: &Seg) -> bool {
+        s.is_wall() || self.graph.is_live(s.edge)
     }
 
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
@@ -239,14 +252,17 @@ impl Canvas {
 
     /// Collects the walls and streets that overlap a box into `near`; its dead ends stay as they are.
     pub fn gather_segs(&self, bounds: Bounds, near: &mut Near) {
-        near.segs.clear();
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
-        for (number, hull) in self.hulls.iter().enumerate() {
-            if hull.overlaps(near.within) {
-                near.segs.extend(self.obstacle(number));
-            }
-        }
+        near.segs.clear();
+        self.overlapping(bounds).for_each(|s| near.segs.push(*s));
+    }
+
+    /// The walls and streets that overlap a box.
+    pub fn overlapping(&self, bounds: Bounds) -> impl Iterator<Item = &Seg> {
+        let reach = Reach::new(bounds.min, bounds.max, self.origin);
+        let may_overlap = self.bands.within(bounds).map(|number| &self.obstacles[number]);
+        may_overlap.filter(move |s| s.hull.overlaps(reach) && self.is_there(s))
     }
 
     /// Collects the dead ends of streets within `reach` of `of` into `near`, without the streets.
@@ -258,7 +274,7 @@ impl Canvas {
         near.within = near.reach(bounds.min, bounds.max);
         for v in self.graph.vertices().filter(|v| self.is_dead_end(*v)) {
             let edge = self.graph.edges_at(v)[0];
-            if self.hulls[self.walls.len() + edge as usize].overlaps(near.within) {
+            if self.obstacles[self.walls + edge as usize].hull.overlaps(near.within) {
                 let from = self.graph.at(self.graph.edge(edge).other(v));
                 near.tips.push(self.tip(v, from));
             }
@@ -284,11 +300,11 @@ impl Canvas {
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx, within: Reach) -> Option<(Seg, f64, DVec2)> {
         let mut ray = Ray::new(from, to, leaving, self.origin);
         self.squares.along(from, to, |number, end| {
-            let hull = self.hulls[number as usize];
-            if hull.overlaps(ray.reach)
-                && hull.overlaps(within)
-                && let Some(s) = self.obstacle(number as usize)
-                && let Some(at) = ray.try_on(number, &s)
+            let s = &self.obstacles[number as usize];
+            if s.hull.overlaps(ray.reach)
+                && s.hull.overlaps(within)
+                && self.is_there(s)
+                && let Some(at) = ray.try_on(number, s)
             {
                 *end = at;
             }
@@ -298,7 +314,7 @@ impl Canvas {
 
     /// The border edges.
     pub fn wall_lines(&self) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
-        self.walls.iter().map(|w| (w.a, w.b))
+        self.obstacles[..self.walls].iter().map(|w| (w.a, w.b))
     }
 
     /// Removes the street that ends at the dead end `v`, back to where it began; that vertex and the length removed.

@@ -12,7 +12,7 @@ use crate::space::segment_crossing;
 use glam::DVec2;
 
 /// Least distance of a dead end from any street that it does not join.
-const DEAD_END_FLOOR: f64 = 13.0;
+pub(super) const DEAD_END_FLOOR: f64 = 13.0;
 
 /// Distance from a loose end that may still be led into the street: room for a street of the least length.
 const TIP_GAP: f64 = 19.0;

@@ -33,6 +33,7 @@ impl Overlay {
 
 /// What is met first around a vertex, by sectors as those of a [`PatchView`].
 pub(super) struct Surroundings {
+    direction: DVec2,
     /// Distance at which something is met, by rays.
     far: [f32; RAYS * SECTORS],
     /// Distance up to which there may be room for a patch.
@@ -47,6 +48,9 @@ const AHEAD: f64 = 10.0;
 /// Rays in each sector.
 const RAYS: usize = 2;
 
+/// Rays that are followed at once; a divisor of their number.
+const TOGETHER: usize = 4;
+
 impl Surroundings {
     /// Whether a patch with this view may have room: not where it reaches farther than what is met.
     pub fn may_hold(&self, view: &PatchView, mirrored: bool) -> bool {
@@ -54,10 +58,14 @@ impl Surroundings {
         view.reach.iter().zip(room).all(|(reach, room)| reach.cmple(*room).all())
     }
 
-    /// Whether what lies at `angle` from the street and `distance` away may be in sight.
-    pub fn may_see(&self, angle: f64, distance: f64) -> bool {
+    /// Whether what lies at `to` from here and `distance` away may be in sight.
+    pub fn may_see(&self, to: DVec2, distance: f64) -> bool {
         let rays = self.far.len() as i32;
-        let ray = (angle * f64::from(rays) / TAU).round() as i32;
+        let (x, y) = (self.direction.dot(to), self.direction.perp_dot(to));
+        // Within half a ray of the angle, in quarters of a turn.
+        let share = y.abs() / (x.abs() + y.abs()).max(1e-9);
+        let quarters = if x < 0.0 { 2.0 - share } else { share };
+        let ray = (quarters.copysign(y) * f64::from(rays) / 4.0).round() as i32;
         let far = |ray: i32| self.far[ray.rem_euclid(rays) as usize];
         far(ray - 1).max(far(ray)).max(far(ray + 1)) + 3.0 * STEP as f32 > distance as f32
     }
@@ -67,12 +75,15 @@ impl Work<'_> {
     /// What is around `at`, where a street leads on in `direction`, as far as `reach`.
     pub(super) fn surroundings(&self, at: DVec2, direction: DVec2, reach: f64) -> Surroundings {
         let turn = math::direction(TAU / (RAYS * SECTORS) as f64);
-        let mut ray = direction;
-        let far = [(); RAYS * SECTORS].map(|()| {
-            let far = self.canvas.free.ahead(at, ray, reach) as f32;
-            ray = turn.rotate(ray);
-            far
-        });
+        let mut ray = DVec2::new(turn.x, -turn.y).rotate(direction);
+        let mut far = [0.0; RAYS * SECTORS];
+        for far in far.as_chunks_mut::<TOGETHER>().0 {
+            let rays = [(); TOGETHER].map(|()| {
+                ray = turn.rotate(ray);
+                ray
+            });
+            *far = self.canvas.free.ahead(at, rays, reach).map(|far| far as f32);
+        }
         let gap = self.limits.gap as f32;
         let room = std::array::from_fn(|sector| {
             let middle = RAYS * sector + far.len();
@@ -85,7 +96,7 @@ impl Work<'_> {
             std::array::from_fn(|k| Vec4::from_array(std::array::from_fn(|lane| room[4 * k + lane])))
         };
         let mirrored = std::array::from_fn(|sector| room[(SECTORS - sector) % SECTORS]);
-        Surroundings { far, room: vectors(room), mirrored: vectors(mirrored) }
+        Surroundings { direction, far, room: vectors(room), mirrored: vectors(mirrored) }
     }
 
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
@@ -98,6 +109,16 @@ impl Work<'_> {
                 let away = end.map_or(p.distance(start), |e| p.distance(start).min(p.distance(e)));
                 room >= FreeGrid::least((WEDGE * away) as f32)
             }
+        })
+    }
+
+    /// Quick and coarse: false when a street from `from` to `to`, where it meets others, surely comes too near something on
+    /// its way.
+    pub(super) fn way_is_roughly_free(&self, from: DVec2, to: DVec2, limits: &Limits) -> bool {
+        let length = from.distance(to);
+        [0.3, 0.5, 0.7].into_iter().all(|share: f64| {
+            let needed = (WEDGE * length * share.min(1.0 - share)) as f32;
+            self.canvas.free.at(from.lerp(to, share)) >= FreeGrid::least(needed.min(coarse_gap(limits)))
         })
     }
 
@@ -136,7 +157,7 @@ impl Work<'_> {
                 continue;
             }
             if let Some(met) = self.canvas.nearest(square)
-                && let Some(may_end) = self.arm_may_meet(&met, sample, overlay)
+                && let Some(may_end) = self.arm_may_meet(met, sample, overlay)
             {
                 return may_end;
             }

@@ -1,11 +1,14 @@
 //! Fairing: the doglegs that streets take to meet a port or each other go, and junctions move to where streets go straight on
-//! across them. All of it keeps the rules of the repair; what would break one stays as it was.
+//! across them. What would break a rule of the repair stays as it was; what is nearer than the rules ask, as streets near a
+//! junction are, comes no nearer.
 
 use super::Work;
-use super::proposal::Join;
-use crate::network::{Edge, EdgeIx, VertexIx};
-use crate::space::{Bounds, distance_to_segment, quantize};
-use crate::streets::MadeBy;
+use super::checker::{DEAD_END_FLOOR, WEDGE};
+use super::near::{Seg, nearest};
+use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
+use crate::seam::STUB_LENGTH;
+use crate::space::{Bounds, distance_to_segment, quantize, segment_distance};
 use glam::DVec2;
 
 /// Least cosine of the angle between a port's street and the stub that it begins as.
@@ -20,6 +23,65 @@ const WORTH: f64 = 0.5;
 /// Rounds in which it is seen where junctions would come to lie: one that has moved lets its neighbours move.
 const ROUNDS: usize = 3;
 
+/// Streets at a junction that may be moved, at most.
+const MOST_ARMS: usize = 6;
+
+/// Least share of the distance from the border that is left of it, where that is no more than is asked of new streets.
+const ROOM_LEFT: f64 = 0.8;
+
+/// Least share of a way along streets that is left of it, where that may be a way around a block that is too small.
+const WAY_LEFT: f64 = 0.8;
+
+/// A straight street, or a part of one, in the place of what is there.
+#[derive(Clone, Copy)]
+struct Line {
+    from: VertexIx,
+    to: VertexIx,
+    a: DVec2,
+    b: DVec2,
+    /// The edges that it takes the place of, among those that go.
+    was: (usize, usize),
+}
+
+impl Line {
+    fn of(s: &Seg) -> Self {
+        Self { from: s.va, to: s.vb, a: s.a, b: s.b, was: (0, 0) }
+    }
+
+    fn ends_at(&self, v: VertexIx) -> bool {
+        self.from == v || self.to == v
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        segment_distance(self.a, self.b, other.a, other.b)
+    }
+
+    /// Where they may come nearest to each other if they do not cross.
+    fn pairs(&self, other: &Self) -> [(DVec2, DVec2); 4] {
+        [
+            (self.a, nearest(self.a, other.a, other.b)),
+            (self.b, nearest(self.b, other.a, other.b)),
+            (nearest(other.a, self.a, self.b), other.a),
+            (nearest(other.b, self.a, self.b), other.b),
+        ]
+    }
+
+    fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// Direction in which it leaves the end `v`.
+    fn way_from(&self, v: VertexIx) -> DVec2 {
+        let way = (self.b - self.a).normalize_or_zero();
+        if self.from == v { way } else { -way }
+    }
+
+    /// Its ends, each with its position and that of the other end.
+    fn ends(&self) -> [(VertexIx, DVec2, DVec2); 2] {
+        [(self.from, self.a, self.b), (self.to, self.b, self.a)]
+    }
+}
+
 impl Work<'_> {
     /// Makes the streets of the finished cell fair.
     pub(super) fn make_fair(&mut self) {
@@ -32,26 +94,27 @@ impl Work<'_> {
     /// Lays streets straight from end to end that are within [`Work::dogleg`] of it.
     fn straighten_streets(&mut self) {
         for chain in self.canvas.graph.chains(|v| self.canvas.is_end(v)) {
+            if chain.len() == 1 {
+                continue;
+            }
             let vertices = self.canvas.graph.chain_vertices(&chain);
-            let (first, last) = (vertices[0], vertices[vertices.len() - 1]);
+            let (from, to) = (vertices[0], vertices[vertices.len() - 1]);
             let g = &self.canvas.graph;
-            let (a, b) = (g.at(first), g.at(last));
-            let off = vertices.iter().map(|v| distance_to_segment(g.at(*v), a, b)).fold(0.0, f64::max);
-            let pinned = vertices.iter().any(|v| self.canvas.nodes[*v as usize].pinned);
-            if vertices.len() == 2 || first == last || off > self.dogleg || pinned {
+            let (a, b) = (g.at(from), g.at(to));
+            let near = |v: &VertexIx| {
+                distance_to_segment(g.at(*v), a, b) <= self.dogleg && !self.canvas.nodes[*v as usize].pinned
+            };
+            if from == to || !vertices.iter().all(near) {
                 continue;
             }
-            let made_by = self.maker(&chain);
             let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
-            self.proposal.line(&[a, b], self.rejoin(first), self.rejoin(last));
-            if !self.leaves_port(first, b) || !self.leaves_port(last, a) {
-                continue;
-            }
-            let taken = self.take_away(&edges);
-            if self.proposal_fits() {
-                self.canvas.add_last_edge(first, last, made_by);
-            } else {
-                self.put_back(&edges, taken);
+            let length: f64 = edges.iter().map(|e| g.segment(*e)).map(|(a, b)| a.distance(b)).sum();
+            let line = Line { from, to, a, b, was: (0, edges.len()) };
+            let is_long = line.length() >= self.relaxed.min_piece;
+            if is_long && self.keeps_way(line.length(), length, line.length()) && self.lines_fit(&[line], &edges) {
+                let made_by = self.maker(&chain);
+                edges.iter().for_each(|e| drop(self.canvas.graph.remove_edge(*e)));
+                self.canvas.add_last_edge(from, to, made_by);
             }
         }
     }
@@ -62,19 +125,28 @@ impl Work<'_> {
         // that could not.
         let g = &self.canvas.graph;
         let mut places: Vec<DVec2> = g.vertices().map(|v| g.at(v)).collect();
+        let mut restless: Vec<bool> = g.vertices().map(|v| g.degree(v) > 2).collect();
         for _ in 0..ROUNDS {
-            for v in 0..places.len() as VertexIx {
-                if let Some(to) = self.straight_on(v, &places) {
+            for v in g.vertices() {
+                if std::mem::take(&mut restless[v as usize])
+                    && let Some(to) = self.straight_on(v, &places)
+                    && to != places[v as usize]
+                {
                     places[v as usize] = to;
+                    g.neighbours(v).for_each(|w| restless[w as usize] = true);
                 }
             }
         }
+        restless.fill(false);
         for v in 0..places.len() as VertexIx {
-            self.move_junction(v, places[v as usize]);
+            let to = places[v as usize];
+            if to != self.canvas.graph.at(v) && !self.move_junction(v, to) {
+                let g = &self.canvas.graph;
+                places[v as usize] = g.at(v);
+                g.neighbours(v).for_each(|w| restless[w as usize] = true);
+            }
         }
-        let g = &self.canvas.graph;
-        places.iter_mut().zip(g.vertices()).for_each(|(p, v)| *p = g.at(v));
-        for v in 0..places.len() as VertexIx {
+        for v in (0..places.len() as VertexIx).filter(|v| restless[*v as usize]) {
             if let Some(to) = self.straight_on(v, &places)
                 && self.move_junction(v, to)
             {
@@ -86,19 +158,24 @@ impl Work<'_> {
     /// Moves the junction `v` if that is worth it and keeps the rules.
     fn move_junction(&mut self, v: VertexIx, to: DVec2) -> bool {
         let g = &self.canvas.graph;
-        if to.distance_squared(g.at(v)) < WORTH * WORTH || !g.neighbours(v).all(|w| self.leaves_port(w, to)) {
+        let at = g.at(v);
+        if to.distance_squared(at) < WORTH * WORTH {
             return false;
         }
-        self.proposal.clear();
-        self.proposal.push(to, Join::Free(false));
-        for (i, w) in g.neighbours(v).enumerate() {
-            self.proposal.push(g.at(w), self.rejoin(w));
-            self.proposal.edges.push((0, i + 1));
-        }
-        let edges = g.edges_at(v).to_vec();
-        let taken = self.take_away(&edges);
-        let fits = self.proposal_fits();
-        self.put_back(&edges, taken);
+        let line = |(i, w)| Line { from: v, to: w, a: to, b: g.at(w), was: (i, i + 1) };
+        let lines: Vec<Line> = g.neighbours(v).enumerate().map(line).collect();
+        let pairs = lines.iter().enumerate().flat_map(|(i, x)| lines[..i].iter().map(move |y| (x, y)));
+        let least = self.relaxed.min_piece;
+        let is_long = |line: &Line| line.length() >= least.min(at.distance(line.b));
+        let mut fits = lines.iter().all(is_long)
+            && pairs.clone().all(|(x, y)| {
+                let before = at.distance(x.b) + at.distance(y.b);
+                self.keeps_way(x.length() + y.length(), before, x.b.distance(y.b))
+                    && self.keep_apart(x, y)
+                    && x.way_from(v).dot(y.way_from(v)) <= self.relaxed.junction_cosine
+            });
+        let gone = g.edges_at(v).to_vec();
+        fits = fits && self.lines_fit(&lines, &gone);
         if fits {
             self.canvas.move_vertex(v, to);
         }
@@ -114,21 +191,31 @@ impl Work<'_> {
             return None;
         }
         let at = places[v as usize];
-        let arms: Vec<DVec2> = g.neighbours(v).map(|w| places[w as usize]).collect();
-        let ways: Vec<DVec2> = arms.iter().map(|arm| (arm - at).normalize_or_zero()).collect();
+        let mut arms = [(DVec2::ZERO, DVec2::ZERO); MOST_ARMS];
+        for (arm, w) in arms.iter_mut().zip(g.neighbours(v)) {
+            let end = places[w as usize];
+            *arm = (end, (end - at).normalize_or_zero());
+        }
+        let arms = arms.get(..g.degree(v))?;
         // Of the pairs of streets of which one goes on as the other, the straightest without these.
         let straightest = |without: [usize; 2]| {
-            let rest = || (0..arms.len()).filter(move |x| !without.contains(x));
-            let pairs = rest().flat_map(|i| rest().take_while(move |k| *k < i).map(move |k| (i, k)));
-            let pairs = pairs.map(|(i, k)| (ways[i].dot(ways[k]), i, k)).filter(|p| p.0 < THROUGH);
-            pairs.min_by(|x, y| x.0.total_cmp(&y.0))
+            let mut best = (THROUGH, None);
+            for i in (0..arms.len()).filter(|i| !without.contains(i)) {
+                for k in (0..i).filter(|k| !without.contains(k)) {
+                    let cosine = arms[i].1.dot(arms[k].1);
+                    if cosine < best.0 {
+                        best = (cosine, Some([i, k]));
+                    }
+                }
+            }
+            best.1
         };
-        let (_, i, k) = straightest([usize::MAX; 2])?;
-        let (a, b) = (arms[i], arms[k]);
+        let first = straightest([usize::MAX; 2])?;
+        let [a, b] = first.map(|i| arms[i].0);
         // The other street: one across, or one that ends here.
-        let (c, d) = match straightest([i, k]) {
-            Some((_, x, y)) => (arms[x], arms[y]),
-            None => (arms[(0..arms.len()).find(|x| ![i, k].contains(x))?], at),
+        let [c, d] = match straightest(first) {
+            Some(second) => second.map(|i| arms[i].0),
+            None => [arms[(0..arms.len()).find(|i| !first.contains(i))?].0, at],
         };
         let (ab, cd) = (b - a, d - c);
         let sine = ab.perp_dot(cd);
@@ -140,36 +227,120 @@ impl Work<'_> {
         ((0.0..=1.0).contains(&t) && to.distance(g.at(v)) <= self.dogleg).then_some(to)
     }
 
-    /// How a new street meets the vertex `v` in the place of the one that goes: a dead end is a free end.
-    fn rejoin(&self, v: VertexIx) -> Join {
-        if self.canvas.is_dead_end(v) { Join::Free(false) } else { Join::At(v) }
+    /// Whether a way along streets that changes from `before` metres to `now` still leads around blocks that are large
+    /// enough: it ends `apart` metres from where it began.
+    fn keeps_way(&self, now: f64, before: f64, apart: f64) -> bool {
+        now + apart >= self.relaxed.min_round || now >= WAY_LEFT * before
     }
 
-    /// Whether a straight street from `v` to `to` leaves the main street about squarely, if `v` is a port.
-    fn leaves_port(&self, v: VertexIx, to: DVec2) -> bool {
-        self.canvas.nodes[v as usize].port.is_none_or(|port| {
-            let port = &self.brief.ports[port];
-            (to - port.at).normalize_or_zero().dot(port.inward) >= PORT
+    /// Whether these may be laid in the place of the edges `gone`.
+    fn lines_fit(&mut self, lines: &[Line], gone: &[EdgeIx]) -> bool {
+        let g = &self.canvas.graph;
+        let ends_fit = lines.iter().all(|line| {
+            line.ends().into_iter().all(|(v, at, other)| {
+                let way = (other - at).normalize_or_zero();
+                let others = || g.edges_at(v).iter().filter(|e| !gone.contains(e));
+                let bends = others().count() == 1;
+                let most = if bends { self.relaxed.bend_cosine } else { self.relaxed.junction_cosine };
+                self.leaves_port(v, way)
+                    && others().all(|e| way.dot((g.at(g.edge(*e).other(v)) - g.at(v)).normalize_or_zero()) <= most)
+            })
+        });
+        if !ends_fit {
+            return false;
+        }
+        let gap = self.relaxed.gap.max(self.relaxed.wall_gap);
+        let mut near = std::mem::take(&mut self.near);
+        self.canvas.gather_segs(Bounds::of(lines.iter().flat_map(|l| [l.a, l.b])).grown(gap), &mut near);
+        near.segs.retain(|s| !gone.contains(&s.edge));
+        let fits = lines.iter().all(|line| {
+            let reach = near.reach(line.a.min(line.b) - gap, line.a.max(line.b) + gap);
+            near.segs.iter().filter(|s| s.hull.overlaps(reach)).all(|s| {
+                let other = Line::of(s);
+                if s.is_wall() {
+                    self.keeps_off(line, s, gone)
+                } else {
+                    self.keep_apart(line, &other) && self.is_beside(line, lines, gone, &other)
+                }
+            })
+        });
+        self.near = near;
+        fits
+    }
+
+    /// Whether a street from `v` in the direction `way` leaves the main street about squarely, if `v` is a port.
+    fn leaves_port(&self, v: VertexIx, way: DVec2) -> bool {
+        self.canvas.nodes[v as usize].port.is_none_or(|port| way.dot(self.brief.ports[port].inward) >= PORT)
+    }
+
+    /// Whether the dead ends of two lines that meet are far enough from the other line.
+    fn keep_apart(&self, x: &Line, y: &Line) -> bool {
+        let tips = |x: &Line, y: &Line| {
+            x.ends().into_iter().all(|(v, at, _)| {
+                y.ends_at(v) || !self.canvas.is_dead_end(v) || distance_to_segment(at, y.a, y.b) >= DEAD_END_FLOOR
+            })
+        };
+        !(x.ends_at(y.from) || x.ends_at(y.to)) || (tips(x, y) && tips(y, x))
+    }
+
+    /// Whether one of `lines` keeps as far from a street as that must be, or is no nearer than what was there.
+    fn is_beside(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
+        if line.ends_at(other.from) || line.ends_at(other.to) {
+            return true;
+        }
+        let now = line.distance(other);
+        now >= self.relaxed.gap
+            || now >= self.before(line, gone, other)
+            || now > 0.0 && self.is_near_along(line, lines, gone, other)
+    }
+
+    /// Whether a line and a street are as near each other as they may be because they are near along the network: over a
+    /// street between their ends.
+    fn is_near_along(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
+        let g = &self.canvas.graph;
+        let pairs = line.pairs(other);
+        let may_be = |at: DVec2, w: VertexIx| {
+            // A street that meets the line may come nearer to it than others.
+            let floor = if self.canvas.is_end(w) { STREET_FLOOR } else { 0.0 };
+            let end = g.at(w);
+            pairs.iter().all(|(q, r)| {
+                let way = q.distance(at) + at.distance(end) + end.distance(*r);
+                q.distance(*r) >= self.relaxed.gap.min(WEDGE * way).max(floor)
+            })
+        };
+        line.ends().into_iter().any(|(v, at, _)| {
+            let here = lines.iter().filter(|l| l.from == v).map(|l| l.to);
+            let stay = g.edges_at(v).iter().filter(|e| !gone.contains(e)).map(|e| g.edge(*e).other(v));
+            here.chain(stay).any(|w| other.ends_at(w) && may_be(at, w))
         })
     }
 
-    fn take_away(&mut self, edges: &[EdgeIx]) -> Vec<Edge<MadeBy>> {
-        edges.iter().filter_map(|e| self.canvas.graph.remove_edge(*e)).collect()
+    /// Distance of what a line takes the place of from another.
+    fn before(&self, line: &Line, gone: &[EdgeIx], other: &Line) -> f64 {
+        let was = gone[line.was.0..line.was.1].iter().map(|e| self.canvas.graph.segment(*e));
+        was.map(|(a, b)| segment_distance(a, b, other.a, other.b)).fold(f64::INFINITY, f64::min)
     }
 
-    fn put_back(&mut self, edges: &[EdgeIx], taken: Vec<Edge<MadeBy>>) {
-        edges.iter().zip(taken).for_each(|(e, edge)| self.canvas.graph.restore_edge(*e, edge));
-    }
-
-    /// Whether the proposal keeps the rules of the repair.
-    fn proposal_fits(&mut self) -> bool {
-        let limits = &self.relaxed;
-        if !self.checker.find_joints(&self.canvas, &self.proposal, limits) {
-            return false;
+    /// Whether a line keeps as far from a wall as streets must, or is about no nearer than what was there.
+    fn keeps_off(&self, line: &Line, wall: &Seg, gone: &[EdgeIx]) -> bool {
+        let wall_gap = self.relaxed.wall_gap;
+        let wall_line = Line::of(wall);
+        let port = line.ends().into_iter().find(|(v, ..)| self.canvas.nodes[*v as usize].port.is_some());
+        if let Some((_, at, far)) = port {
+            let from_wall = |p: DVec2| distance_to_segment(p, wall.a, wall.b);
+            if from_wall(at) < 0.01 {
+                return line.length() <= STUB_LENGTH || from_wall(far) >= wall.floor;
+            }
+            // The wall is near along the main street.
+            let may_be = line.pairs(&wall_line).into_iter().all(|(q, r)| {
+                let floor = if q.distance(at) < STUB_LENGTH { 0.0 } else { wall.floor };
+                q.distance(r) >= wall_gap.min(WEDGE * (q.distance(at) + at.distance(r))).max(floor)
+            });
+            if may_be {
+                return line.distance(&wall_line) > 0.0;
+            }
         }
-        let reach = limits.gap.max(limits.wall_gap).max(30.0) + 1.0;
-        let bounds = Bounds::of(self.proposal.points.iter().copied()).grown(reach);
-        self.canvas.gather_segs(bounds, &mut self.near);
-        self.checker.check_apart(&self.canvas, &self.proposal, &self.near, limits)
+        let (now, before) = (line.distance(&wall_line), self.before(line, gone, &wall_line));
+        now >= before || now >= wall_gap.min(ROOM_LEFT * before).max(wall.floor)
     }
 }

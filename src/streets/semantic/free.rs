@@ -128,19 +128,22 @@ impl FreeGrid {
         self.origin + square.as_dvec2() * STEP
     }
 
-    /// About how far it is from a street at `from` in this direction to what is met next, up to `reach`.
-    pub fn ahead(&self, from: DVec2, direction: DVec2, reach: f64) -> f64 {
-        let (from, step) = (self.in_squares(from), Self::step_in_squares(direction));
+    /// About how far it is from a street at `from` in these directions to what is met next, up to `reach`. Several at once
+    /// take little longer than one.
+    pub fn ahead<const N: usize>(&self, from: DVec2, directions: [DVec2; N], reach: f64) -> [f64; N] {
+        let (from, slack, reach) = (self.in_squares(from), SLACK as f32, reach as f32);
+        let steps = directions.map(Self::step_in_squares);
         // Not the street that is left.
-        let (mut far, slack) = (2.0 * SLACK as f32, SLACK as f32);
-        while far < reach as f32 {
-            let room = self.at_square(from + step * far).sqrt();
-            if room < slack && far > 4.0 * slack {
-                break;
+        let mut far = [2.0 * slack; N];
+        let mut done = [false; N];
+        while done.contains(&false) {
+            for i in 0..N {
+                let room = self.at_square(from + steps[i] * far[i]).sqrt();
+                done[i] |= far[i] >= reach || room < slack && far[i] > 4.0 * slack;
+                far[i] += if done[i] { 0.0 } else { room.max(0.5 * STEP as f32) };
             }
-            far += room.max(0.5 * STEP as f32);
         }
-        f64::from(far).min(reach)
+        far.map(|far| f64::from(far.min(reach)))
     }
 
     /// Where [`at`](Self::at) is no more than this, a line through the point may meet an obstacle within half a square.

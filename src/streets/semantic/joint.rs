@@ -5,7 +5,6 @@ use super::near::{NONE, Near, Seg, nearest};
 use super::proposal::{Join, Limits};
 use crate::network::{EdgeIx, VertexIx};
 use crate::patch::STREET_FLOOR;
-use crate::space::math::angle_between;
 use glam::DVec2;
 
 /// An edge near a joint along the network, with the distances of its ends along the network.
@@ -71,18 +70,20 @@ impl Joint {
 /// there.
 pub(super) fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2, limits: &Limits) -> bool {
     let g = &canvas.graph;
+    let length = direction.length();
+    let turns = |other: DVec2, most: f64| direction.dot(other) <= most * length * other.length();
     match join {
         Join::At(v) => {
-            let degree = g.degree(v);
+            let (degree, at) = (g.degree(v), g.at(v));
             if canvas.nodes[v as usize].port.is_some() {
                 return degree == 0;
             }
-            let least = if degree == 1 { limits.min_bend } else { limits.min_angle };
-            degree > 0 && degree < limits.max_degree && g.smallest_angle(v, direction) >= least
+            let most = if degree == 1 { limits.bend_cosine } else { limits.junction_cosine };
+            degree > 0 && degree < limits.max_degree && g.neighbours(v).all(|w| turns(g.at(w) - at, most))
         }
         Join::On(e) => {
             let e = g.edge(e);
-            [e.a, e.b].into_iter().all(|end| angle_between(direction, g.at(end) - at) >= limits.min_angle)
+            [e.a, e.b].into_iter().all(|end| turns(g.at(end) - at, limits.junction_cosine))
         }
         Join::Free(_) => true,
     }

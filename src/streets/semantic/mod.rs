@@ -1,6 +1,7 @@
 //! The default filler: patches chosen by their semantics (Teng 2017, section 3), with parametric growth as fall-back and
 //! a repair pass.
 
+mod bands;
 mod bend;
 mod canvas;
 mod checker;
@@ -77,6 +78,8 @@ struct Work<'a> {
     rng: Stream,
     /// Candidate vertices of the propagation.
     queue: VecDeque<VertexIx>,
+    /// Least angle at a junction in the propagation, in radians.
+    min_angle: f64,
     /// Rules of the propagation.
     limits: Limits,
     /// Rules of the repair: as near as streets may ever come.
@@ -121,7 +124,7 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     fn new(brief: &'a CellBrief<'a>) -> Self {
         let local = &brief.style.local;
-        let min_angle = local.min_angle_deg.to_radians();
+        let min_angle = local.min_angle_deg.to_radians().max(0.7);
         // Blocks much narrower than the style's streets are long look pinched.
         let share = match brief.style.main.field {
             FieldKind::Grid => 0.6,
@@ -132,8 +135,8 @@ impl<'a> Work<'a> {
         let limits = Limits {
             gap,
             wall_gap: gap,
-            min_angle: min_angle.max(0.7),
-            min_bend: 1.75,
+            junction_cosine: math::cos(min_angle),
+            bend_cosine: math::cos(1.75),
             min_piece: local.min_length.clamp(18.0, 40.0),
             max_degree: (local.degree.1 as usize).clamp(3, 5),
             min_round: 3.0 * local.length,
@@ -141,8 +144,8 @@ impl<'a> Work<'a> {
         let relaxed = Limits {
             gap: 20.0_f64.min(limits.gap),
             wall_gap: 30.0_f64.min(limits.wall_gap),
-            min_angle: limits.min_angle.min(0.75),
-            min_bend: 1.45,
+            junction_cosine: math::cos(min_angle.min(0.75)),
+            bend_cosine: math::cos(1.45),
             min_piece: 16.0,
             max_degree: limits.max_degree.max(4),
             min_round: 2.6 * local.length,
@@ -162,6 +165,7 @@ impl<'a> Work<'a> {
             checker: Checker::default(),
             rng: brief.seed.stream("streets", &[brief.id.0]),
             queue: VecDeque::new(),
+            min_angle,
             limits,
             relaxed,
             straightness,
@@ -220,14 +224,14 @@ impl<'a> Work<'a> {
         let n = angles.len();
         let gap = |i: usize| if i + 1 < n { angles[i + 1] - angles[i] } else { angles[0] + TAU - angles[i] };
         let widest = (0..n).max_by(|a, b| gap(*a).total_cmp(&gap(*b)))?;
-        if gap(widest) < 2.0 * self.limits.min_angle {
+        if gap(widest) < 2.0 * self.min_angle {
             return None;
         }
         let bisector = angles[widest] + gap(widest) / 2.0;
         let off = self.brief.field.angle(at) - bisector;
         let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
         // A street never bends more at once than this to follow the field.
-        let most = if n == 1 { 0.16 } else { gap(widest) / 2.0 - self.limits.min_angle };
+        let most = if n == 1 { 0.16 } else { gap(widest) / 2.0 - self.min_angle };
         Some(math::direction(bisector + (off * self.field_pull).clamp(-most.min(PI / 4.0), most.min(PI / 4.0))))
     }
 

@@ -16,9 +16,6 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Hull(Vec4);
 
 impl Hull {
-    /// Overlaps nothing.
-    pub const NOWHERE: Self = Self(Vec4::INFINITY);
-
     /// The box of the segment `a`-`b`.
     pub fn new(a: DVec2, b: DVec2, origin: DVec2) -> Self {
         let (low, high) = (a.min(b) - origin - HULL_MARGIN, a.max(b) - origin + HULL_MARGIN);

@@ -1,7 +1,6 @@
 //! The finished cell: chains of edges become streets with stable names.
 
 use super::Work;
-use super::near::Near;
 use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
 use crate::space::QUANTUM;
 use crate::streets::{CellStreets, LocalStreet, MadeBy};
@@ -47,7 +46,6 @@ impl Work<'_> {
         if any {
             chains = g.chains(is_end);
         }
-        let mut near = Near::default();
         for chain in chains {
             let vertices = g.chain_vertices(&chain);
             let line: Vec<DVec2> = vertices.iter().map(|v| g.at(*v)).collect();
@@ -58,7 +56,7 @@ impl Work<'_> {
             let last = words(line[line.len() - 1]);
             let id = StreetId::of(&[cell, first[0], first[1], second[0], second[1], last[0], last[1]]);
             let made_by = self.maker(&chain);
-            let line = self.rounded(&vertices, line, &mut near);
+            let line = self.rounded(&vertices, line);
             out.streets.push(LocalStreet { street: Street::new(id, class, from, to, line), made_by });
         }
         for v in g.vertices() {

@@ -23,6 +23,9 @@ const LEAST_CORE: f64 = 0.3;
 /// Greatest angle between a patch whose arms are led on and the line that it lies on, in radians.
 const STRAIGHT: f64 = 0.12;
 
+/// Share of such patches that are looked at; there are far more of them than places.
+const SAMPLED: f64 = 0.4;
+
 /// What a loose end more that a placement meets adds to its rating, as a share.
 const MET: f64 = 0.5;
 
@@ -90,7 +93,7 @@ impl Work<'_> {
             return false;
         }
         let around = self.surroundings(at, direction, reach);
-        self.breadth_first(v, at, direction, &around) || self.depth_first(v, at, direction, &around)
+        self.breadth_first(v, at, &around) || self.depth_first(v, at, direction, &around)
     }
 
     /// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
@@ -110,12 +113,12 @@ impl Work<'_> {
     }
 
     /// Looks for a patch that connects `v` with another loose end in sight.
-    fn breadth_first(&mut self, v: VertexIx, at: DVec2, direction: DVec2, around: &Surroundings) -> bool {
+    fn breadth_first(&mut self, v: VertexIx, at: DVec2, around: &Surroundings) -> bool {
         let Some(onward) = self.canvas.onward(v) else { return false };
         let mut targets: Vec<(f64, VertexIx)> = Vec::new();
         for tip in self.near.tips.iter().filter(|t| t.open && t.v != v) {
             let d = tip.at.distance(at);
-            if d < self.farthest && around.may_see(turn(direction, tip.at - at), d) {
+            if d < self.farthest && around.may_see(tip.at - at, d) {
                 targets.push((d, tip.v));
             }
         }
@@ -200,7 +203,7 @@ impl Work<'_> {
         for passage in patches.passages_near((shortest + longest) / 2.0, (longest - shortest) / 2.0, [0.0; 2], STRAIGHT)
         {
             let weight = self.weight(passage.patch);
-            if weight <= 0.0 {
+            if weight <= 0.0 || !self.rng.chance(SAMPLED) {
                 continue;
             }
             let p = &patches.patches[passage.patch];
@@ -216,9 +219,12 @@ impl Work<'_> {
             let mut best = (0, self.rng.range(0.0, spare));
             for (arm, tip) in arms.iter().flat_map(|arm| tips.iter().map(move |tip| (arm, tip))) {
                 let shift = tip.0 - arm.0;
+                if !(0.0..=spare).contains(&shift) || tip.1 * arm.1 <= 0.0 {
+                    continue;
+                }
                 let meets =
                     |arm: &&(f64, f64)| tips.iter().any(|t| (t.0 - arm.0 - shift).abs() < 8.0 && t.1 * arm.1 > 0.0);
-                let met = if (0.0..=spare).contains(&shift) { arms.iter().filter(meets).count() } else { 0 };
+                let met = arms.iter().filter(meets).count();
                 if met > best.0 {
                     best = (met, shift);
                 }
@@ -320,8 +326,8 @@ impl Work<'_> {
                     let (Some((a, b)), None) = (edges.next(), edges.next()) else { continue };
                     // A cul-de-sac fills a small place, and hinders in a wide one.
                     let onward = (*at - p.points[if *a == i { *b } else { *a }]).normalize_or_zero();
-                    let met = |way: DVec2| self.canvas.free.ahead(*at, way, nearby) < nearby;
-                    let fills = met(onward) || met(onward.perp()) || met(-onward.perp());
+                    let ways = [onward, onward.perp(), -onward.perp()];
+                    let fills = self.canvas.free.ahead(*at, ways, nearby).iter().any(|far| *far < nearby);
                     rating += if fills { 0.1 } else { -0.2 };
                 }
                 Join::At(_) => rating += 0.3,

@@ -41,7 +41,8 @@ impl Work<'_> {
 
     /// As near as streets may be at all: the user's wish outweighs the style.
     fn as_near_as_can_be(&self) -> Limits {
-        Limits { gap: STREET_FLOOR, wall_gap: 0.0, min_angle: 0.7, min_bend: 1.3, ..self.relaxed }
+        let (junction_cosine, bend_cosine) = (math::cos(0.7), math::cos(1.3));
+        Limits { gap: STREET_FLOOR, wall_gap: 0.0, junction_cosine, bend_cosine, ..self.relaxed }
     }
 
     /// Lays one; false, and nothing changes, where it breaks a rule.

@@ -93,10 +93,10 @@ pub(super) struct Limits {
     pub gap: f64,
     /// Distance from the border.
     pub wall_gap: f64,
-    /// Least angle at a junction.
-    pub min_angle: f64,
-    /// Least angle at a point of inflexion; pi is straight on.
-    pub min_bend: f64,
+    /// Cosine of the least angle at a junction.
+    pub junction_cosine: f64,
+    /// Cosine of the least angle at a point of inflexion; -1 is straight on.
+    pub bend_cosine: f64,
     /// Least length of a street between junctions.
     pub min_piece: f64,
     /// Greatest number of streets at a junction.

@@ -7,7 +7,7 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
 use crate::space::{
     Bounds, centroid,
-    math::{angle_of, direction, rotate},
+    math::{angle_of, rotate},
 };
 use crate::streets::MadeBy;
 use glam::DVec2;
@@ -212,12 +212,11 @@ impl Work<'_> {
 
     /// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
     fn off_field(&self, from: DVec2, end: DVec2) -> f64 {
-        self.heading_off_field(angle_of(end - from), (from + end) / 2.0)
+        self.off_by(angle_of(end - from) - self.brief.field.angle(from.midpoint(end)))
     }
 
-    /// The same for a street around the place `at` that heads at this angle.
-    fn heading_off_field(&self, heading: f64, at: DVec2) -> f64 {
-        let off = heading - self.brief.field.angle(at);
+    /// The same for a street that heads at this angle to the field.
+    fn off_by(&self, off: f64) -> f64 {
         let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
         1.0 + 2.5 * self.field_pull * off.abs()
     }
@@ -324,6 +323,7 @@ impl Work<'_> {
                 if let Some((end, last, distance)) =
                     self.landing(s.from + s.square * 0.5, s.way, reach, NONE, &mut line)
                     && last != Join::On(s.edge)
+                    && self.way_is_roughly_free(s.from, end, &limits)
                 {
                     let cost = self.cost_across(s.from, end, distance, s.angle, middle);
                     mends.push(Mend::straight(cost, s.from, end, Join::On(s.edge), last));
@@ -338,28 +338,25 @@ impl Work<'_> {
 
     /// Where streets across a block may begin, the best first, as far as the coarse grid tells what they cost.
     fn starts_across(&self, face: &Face, edges: &[Option<EdgeIx>], reach: f64, middle: DVec2) -> Vec<Start> {
-        let mut starts: Vec<Start> = Vec::with_capacity(8 * edges.len());
-        let aside = direction(SLANT);
+        let mut starts: Vec<Start> = Vec::with_capacity(4 * edges.len());
         for (i, edge) in edges.iter().enumerate() {
             let Some(edge) = edge.filter(|e| self.canvas.graph.is_live(*e)) else { continue };
             let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
             let square = (b - a).perp().normalize_or_zero();
-            let heading = angle_of(square);
-            let ways = [
-                (0.0, square),
-                (SLANT, aside.rotate(square)),
-                (-SLANT, (aside * DVec2::new(1.0, -1.0)).rotate(square)),
-            ];
+            // Of the ways across that which suits the field best: all are about as long.
+            let heading = angle_of(square) - self.brief.field.angle(a.midpoint(b));
+            let ways = [0.0, SLANT, -SLANT].map(|angle| (self.off_by(heading + angle), angle));
+            let dearness = |way: &(f64, f64)| way.0 * (1.0 + 0.5 * way.1.abs());
+            let cheaper = |a, b| if dearness(&b) < dearness(&a) { b } else { a };
+            let Some((off, angle)) = ways.into_iter().reduce(cheaper) else { continue };
+            let way = rotate(square, angle);
             let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-                for (angle, way) in ways {
-                    let far = self.canvas.free.ahead(from, way, reach);
-                    let end = from + way * far;
-                    let distance = far * self.heading_off_field(heading + angle, from.midpoint(end));
-                    let cost = self.cost_across(from, end, distance, angle, middle);
-                    starts.push(Start { cost, from, square, way, angle, edge });
-                }
+                let [far] = self.canvas.free.ahead(from, [way], reach);
+                let end = from + way * far;
+                let cost = self.cost_across(from, end, far * off, angle, middle);
+                starts.push(Start { cost, from, square, way, angle, edge });
             }
         }
         // Of two that cost the same always the same one, whatever the order in which a selection leaves them.

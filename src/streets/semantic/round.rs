@@ -1,7 +1,6 @@
 //! Rounding: where a street bends sharply, its corner becomes a curve.
 
 use super::Work;
-use super::near::Near;
 use crate::network::VertexIx;
 use crate::patch::STREET_FLOOR;
 use crate::space::math::angle_between;
@@ -27,7 +26,7 @@ struct Curve {
 
 impl Work<'_> {
     /// The line through `vertices` with its corners rounded as far as the style asks and other streets leave room.
-    pub(super) fn rounded(&self, vertices: &[VertexIx], line: Vec<DVec2>, near: &mut Near) -> Vec<DVec2> {
+    pub(super) fn rounded(&self, vertices: &[VertexIx], line: Vec<DVec2>) -> Vec<DVec2> {
         let most = self.brief.style.local.rounding;
         if most < LEAST_REACH {
             return line;
@@ -57,7 +56,7 @@ impl Work<'_> {
                 quantize(p.lerp(line[i], t).lerp(line[i].lerp(q, t), t))
             };
             let points: Vec<DVec2> = (0..=parts as usize).map(point).collect();
-            if self.has_room(vertices, &line, &points, near) {
+            if self.has_room(vertices, &line, &points) {
                 curves.push(Curve { from, to, points });
             }
         }
@@ -77,11 +76,10 @@ impl Work<'_> {
     }
 
     /// Whether a curve comes no nearer to other streets and the border than streets may, or than the street did before.
-    fn has_room(&self, vertices: &[VertexIx], line: &[DVec2], curve: &[DVec2], near: &mut Near) -> bool {
-        let bounds = Bounds::of(curve.iter().copied());
-        self.canvas.gather_segs(bounds.grown(2.0 * STREET_FLOOR), near);
+    fn has_room(&self, vertices: &[VertexIx], line: &[DVec2], curve: &[DVec2]) -> bool {
+        let bounds = Bounds::of(curve.iter().copied()).grown(2.0 * STREET_FLOOR);
         let own = |v: VertexIx| vertices.contains(&v);
-        near.segs.iter().filter(|s| s.is_wall() || !(own(s.va) && own(s.vb))).all(|s| {
+        self.canvas.overlapping(bounds).filter(|s| s.is_wall() || !(own(s.va) && own(s.vb))).all(|s| {
             let distance = |line: &[DVec2]| {
                 segments(line).map(|(a, b)| segment_distance(a, b, s.a, s.b)).fold(f64::INFINITY, f64::min)
             };

@@ -15,7 +15,7 @@ const FEW: i32 = 4;
 /// Ends a list.
 const END: u32 = u32::MAX;
 
-/// Obstacles, named by numbers in the order in which they came, by the squares that they lie in.
+/// Obstacles, named by numbers, by the squares that they lie in.
 pub(super) struct Squares {
     corner: DVec2,
     size: IVec2,
@@ -23,8 +23,6 @@ pub(super) struct Squares {
     heads: Vec<u32>,
     /// An obstacle and the link before.
     links: Vec<(u32, u32)>,
-    /// Number of obstacles.
-    count: u32,
 }
 
 impl Squares {
@@ -32,11 +30,16 @@ impl Squares {
     pub fn new(bounds: Bounds) -> Self {
         let size = (bounds.size() / SIDE).ceil().clamp(DVec2::ONE, DVec2::splat(512.0)).as_ivec2();
         let heads = vec![END; (size.x * size.y) as usize];
-        Self { corner: bounds.min, size, heads, links: Vec::new(), count: 0 }
+        Self { corner: bounds.min, size, heads, links: Vec::new() }
     }
 
     fn square(&self, p: DVec2) -> IVec2 {
         ((p - self.corner) * (1.0 / SIDE)).as_ivec2().clamp(IVec2::ZERO, self.size - 1)
+    }
+
+    /// The lowest and the highest square that a box reaches into.
+    fn extent(&self, bounds: Bounds) -> [IVec2; 2] {
+        [self.square(bounds.min - MARGIN), self.square(bounds.max + MARGIN)]
     }
 
     fn links_of(&self, x: i32, y: i32) -> impl Iterator<Item = u32> + '_ {
@@ -45,21 +48,20 @@ impl Squares {
         links.map(|link| link.0)
     }
 
-    /// Adds the next obstacle, the segment `a`-`b`.
-    pub fn add(&mut self, a: DVec2, b: DVec2) {
-        let (low, high) = (self.square(a.min(b) - MARGIN), self.square(a.max(b) + MARGIN));
+    /// Puts an obstacle where the segment `a`-`b` is. One that was put elsewhere before is found there as well.
+    pub fn put(&mut self, obstacle: u32, a: DVec2, b: DVec2) {
+        let [low, high] = self.extent(Bounds::of([a, b]));
         for (x, y) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
             let head = &mut self.heads[(y * self.size.x + x) as usize];
-            self.links.push((self.count, *head));
+            self.links.push((obstacle, *head));
             *head = (self.links.len() - 1) as u32;
         }
-        self.count += 1;
     }
 
     /// Visits what may meet the segment `from`-`to`, about in the order in which it is met; some more than once. `visit` is
     /// given each obstacle and may move the end of the segment nearer.
     pub fn along(&self, from: DVec2, mut to: DVec2, mut visit: impl FnMut(u32, &mut DVec2)) {
-        let (low, high) = (self.square(from.min(to) - MARGIN), self.square(from.max(to) + MARGIN));
+        let [low, high] = self.extent(Bounds::of([from, to]));
         let extent = high - low + 1;
         if extent.x * extent.y <= FEW {
             for (x, y) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
@@ -129,7 +131,7 @@ mod tests {
                 (p, p + if s.chance(0.2) { DVec2::new(0.0, d.y) } else { d })
             };
             let lines: Vec<_> = (0..150).map(|_| place()).collect();
-            lines.iter().for_each(|(a, b)| squares.add(*a, *b));
+            lines.iter().enumerate().for_each(|(i, (a, b))| squares.put(i as u32, *a, *b));
             for _ in 0..100 {
                 let (a, b) = place();
                 let mut seen = vec![0; lines.len()];

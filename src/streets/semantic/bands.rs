@@ -1,0 +1,95 @@
+//! The obstacles of a cell by place: which of them reach into each band from north to south and from west to east.
+
+use crate::space::Bounds;
+use glam::{DVec2, UVec2};
+use std::ops::RangeInclusive;
+
+/// Width of a band, in metres.
+const WIDTH: f64 = 30.0;
+
+/// What boxes are taken to be larger by, in metres; far more than rounding.
+const MARGIN: f64 = 0.1;
+
+/// Obstacles, named by numbers, by the bands of both directions that they reach into: a bit each.
+pub(super) struct Bands {
+    corner: DVec2,
+    /// The numbers of bands side by side and one above the other.
+    size: UVec2,
+    /// For every 64 obstacles a word for each of those side by side.
+    columns: Vec<u64>,
+    /// The same for those one above the other.
+    rows: Vec<u64>,
+}
+
+impl Bands {
+    /// The bands of a cell; what lies outside counts as in the nearest ones.
+    pub fn new(bounds: Bounds) -> Self {
+        let size = (bounds.size() / WIDTH).ceil().clamp(DVec2::ONE, DVec2::splat(512.0)).as_uvec2();
+        Self { corner: bounds.min, size, columns: Vec::new(), rows: Vec::new() }
+    }
+
+    /// The columns and the rows that a box reaches into.
+    fn extent(&self, bounds: Bounds) -> [RangeInclusive<usize>; 2] {
+        let band = |p: DVec2| ((p - self.corner) * (1.0 / WIDTH)).max(DVec2::ZERO).as_uvec2().min(self.size - 1);
+        let (low, high) = (band(bounds.min - MARGIN), band(bounds.max + MARGIN));
+        [low.x as usize..=high.x as usize, low.y as usize..=high.y as usize]
+    }
+
+    /// Puts an obstacle into a box. One that was put elsewhere before is found there as well.
+    pub fn put(&mut self, obstacle: usize, bounds: Bounds) {
+        let [columns, rows] = self.extent(bounds);
+        for (words, bands, size) in [(&mut self.columns, columns, self.size.x), (&mut self.rows, rows, self.size.y)] {
+            let first = obstacle / 64 * size as usize;
+            words.resize(words.len().max(first + size as usize), 0);
+            words[first..][bands].iter_mut().for_each(|word| *word |= 1 << (obstacle % 64));
+        }
+    }
+
+    /// What may reach into a box, in order.
+    pub fn within(&self, bounds: Bounds) -> impl Iterator<Item = usize> {
+        let [columns, rows] = self.extent(bounds);
+        let words = self.columns.chunks_exact(self.size.x as usize).zip(self.rows.chunks_exact(self.size.y as usize));
+        words.enumerate().flat_map(move |(i, (x, y))| {
+            let any = |words: &[u64]| words.iter().fold(0, |all, word| all | word);
+            let mut rest = any(&x[columns.clone()]) & any(&y[rows.clone()]);
+            std::iter::from_fn(move || {
+                let bit = rest.trailing_zeros() as usize;
+                rest &= rest.wrapping_sub(1);
+                (bit < 64).then_some(64 * i + bit)
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+
+    #[test]
+    fn finds_what_a_full_scan_finds() {
+        for seed in 0..40 {
+            let mut s = Seed(seed).stream("test", &[]);
+            let bounds = Bounds::new(DVec2::new(-50.0, 20.0), DVec2::new(s.range(30.0, 500.0), s.range(60.0, 500.0)));
+            let mut bands = Bands::new(bounds);
+            // Some outside, some that have moved.
+            let mut place = || {
+                let p = DVec2::new(s.range(-120.0, 560.0), s.range(-60.0, 560.0));
+                Bounds::of([p, p + DVec2::new(s.range(-90.0, 90.0), s.range(-90.0, 90.0))])
+            };
+            let mut boxes: Vec<_> = (0..150).map(|_| place()).collect();
+            boxes.iter().enumerate().for_each(|(i, b)| bands.put(i, *b));
+            for i in (0..150).step_by(7) {
+                boxes[i] = place();
+                bands.put(i, boxes[i]);
+            }
+            for _ in 0..100 {
+                let of = place();
+                let found: Vec<usize> = bands.within(of).collect();
+                assert!(found.is_sorted_by(|a, b| a < b));
+                let missed = boxes.iter().enumerate().find(|(i, b)| b.overlaps(of) && !found.contains(i));
+                assert!(missed.is_none(), "{seed}: {missed:?} in {of:?}");
+            }
+        }
+    }
+}
