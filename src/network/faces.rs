@@ -1,7 +1,7 @@
 //! Faces of a planar graph, by walking half-edges.
 
 use crate::network::{EdgeIx, PlanarGraph, VertexIx};
-use crate::space::{math::angle_of, signed_area};
+use crate::space::{math::quarters, signed_area};
 use glam::DVec2;
 
 /// An edge with a direction.
@@ -48,7 +48,7 @@ impl<E: Clone> PlanarGraph<E> {
             for &e in self.edges_at(v) {
                 let edge = self.edge(e);
                 let out = 2 * e as usize + usize::from(edge.a != v);
-                let angle = if turns { angle_of(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
+                let angle = if turns { quarters(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
                 order.push((angle, out, out ^ 1));
             }
             order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));

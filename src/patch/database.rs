@@ -1,6 +1,7 @@
 //! The patches that a style may use, indexed for the searches.
 
-use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern};
+use crate::patch::shape::least_reach;
+use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern, Reach};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -72,6 +73,8 @@ pub struct PatchFacts {
     pub shape: PatchShape,
     /// The same as seen from each of its connectable vertices, in their order.
     pub views: Vec<PatchView>,
+    /// The least [`PatchView::reach`] in each sector of these views and of the same mirrored.
+    pub least_reach: Reach,
 }
 
 impl PatchFacts {
@@ -80,8 +83,9 @@ impl PatchFacts {
         let local = |v: &usize| patch.edges_at(*v).all(|e| !patch.edges[e].main);
         let dead_ends = (0..patch.vertices.len()).filter(ends).filter(local).collect();
         let shape = PatchShape::of(patch);
-        let views = patch.connectables.iter().map(|c| PatchView::of(patch, &shape, c)).collect();
-        Self { streets: patch.streets(), dead_ends, main: patch.main_line(), shape, views }
+        let views: Vec<PatchView> = patch.connectables.iter().map(|c| PatchView::of(patch, &shape, c)).collect();
+        let least_reach = least_reach(&views);
+        Self { streets: patch.streets(), dead_ends, main: patch.main_line(), shape, views, least_reach }
     }
 }
 

@@ -107,8 +107,11 @@ pub struct PatchView {
     /// The other [`PatchShape::arms`].
     pub arms: Vec<Vec<ArmSample>>,
     /// The greatest distance of a sample in each sector, the middle of the first of which is x, counter-clockwise.
-    pub reach: [Vec4; SECTORS / 4],
+    pub reach: Reach,
 }
+
+/// A distance in each of [`SECTORS`], four together.
+pub type Reach = [Vec4; SECTORS / 4];
 
 /// A point on the part of an arm that may be cut back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,6 +150,17 @@ impl PatchView {
         view.arms = others.map(|arm| samples_along(&arm, LEAST_ARM, ARM_SAMPLE)).collect();
         view
     }
+}
+
+/// The least reach in each sector of some views and of the same mirrored.
+pub(super) fn least_reach(views: &[PatchView]) -> Reach {
+    let of_sector = |view: &PatchView, sector: usize| view.reach[sector / 4][sector % 4];
+    let least = |sector: usize| {
+        let mirrored = (SECTORS - sector) % SECTORS;
+        let both = views.iter().map(|view| of_sector(view, sector).min(of_sector(view, mirrored)));
+        both.fold(f32::INFINITY, f32::min)
+    };
+    std::array::from_fn(|k| Vec4::from_array(std::array::from_fn(|lane| least(4 * k + lane))))
 }
 
 /// Points along a line, no more than `step` apart, the first `from` metres after its beginning, the last at its end.

@@ -95,10 +95,8 @@ pub fn segment_distance(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
     if segment_crossing(a, b, c, d).is_some() {
         return 0.0;
     }
-    distance_to_segment(a, c, d)
-        .min(distance_to_segment(b, c, d))
-        .min(distance_to_segment(c, a, b))
-        .min(distance_to_segment(d, a, b))
+    let squared = |p: DVec2, a: DVec2, b: DVec2| closest_on_segment(p, a, b).1.distance_squared(p);
+    squared(a, c, d).min(squared(b, c, d)).min(squared(c, a, b)).min(squared(d, a, b)).sqrt()
 }
 
 #[cfg(test)]

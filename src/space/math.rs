@@ -42,6 +42,13 @@ pub fn angle_of(v: DVec2) -> f64 {
     libm::atan2(v.y, v.x)
 }
 
+/// A number that grows with the angle of `v` from east, counter-clockwise: 0 for east, 1 for north, less than 4, and off by no
+/// more than 0.05 from the angle in quarters of a turn. It sorts by angle without trigonometry.
+pub fn quarters(v: DVec2) -> f64 {
+    let share = v.x / (v.x.abs() + v.y.abs()).max(f64::MIN_POSITIVE);
+    if v.y < 0.0 { 3.0 + share } else { 1.0 - share }
+}
+
 /// `v` turned counter-clockwise by `angle` radians.
 pub fn rotate(v: DVec2, angle: f64) -> DVec2 {
     direction(angle).rotate(v)
@@ -66,4 +73,21 @@ pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
 /// `a` at 0, `b` at 1.
 pub fn mix(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarters_grow_with_the_angle() {
+        let mut last = -1.0;
+        for step in 0..4000 {
+            let angle = f64::from(step) * std::f64::consts::TAU / 4000.0;
+            let quarters = quarters(direction(angle) * f64::from(1 + step % 7));
+            assert!(quarters > last && quarters < 4.0 && (quarters - f64::from(step) / 1000.0).abs() < 0.05, "{step}");
+            last = quarters;
+        }
+        assert_eq!([DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(quarters), [0.0, 1.0, 2.0, 3.0]);
+    }
 }

@@ -14,6 +14,9 @@ use glam::{DVec2, Vec2};
 /// Least distance between a street's pavement and that of a border street, in metres.
 pub(super) const WALL_MARGIN: f64 = 4.0;
 
+/// Room for the edges of a cell; most have no more.
+const USUAL: usize = 512;
+
 /// Least distance from an open side of the cell.
 const OPEN_SIDE: f64 = 14.0;
 
@@ -83,13 +86,13 @@ impl Canvas {
         let bounds = Bounds::of(brief.border.iter().copied());
         let mut canvas = Self {
             graph: PlanarGraph::without_index(),
-            nodes: Vec::new(),
+            nodes: Vec::with_capacity(USUAL),
             free,
             walls: obstacles.len(),
-            obstacles: Vec::new(),
+            obstacles: Vec::with_capacity(USUAL),
             bands: Bands::new(bounds),
             squares: Squares::new(bounds),
-            divisions: Vec::new(),
+            divisions: Vec::with_capacity(USUAL),
             knows_stubs: false,
             origin,
         };
@@ -256,6 +259,12 @@ impl Canvas {
         near.within = near.reach(bounds.min, bounds.max);
         near.segs.clear();
         self.overlapping(bounds).for_each(|s| near.segs.push(*s));
+    }
+
+    /// The walls that overlap a box.
+    pub fn overlapping_walls(&self, bounds: Bounds) -> impl Iterator<Item = &Seg> {
+        let reach = Reach::new(bounds.min, bounds.max, self.origin);
+        self.obstacles[..self.walls].iter().filter(move |s| s.hull.overlaps(reach))
     }
 
     /// The walls and streets that overlap a box.

@@ -276,7 +276,7 @@ impl Checker {
     ) -> bool {
         let (i, j) = p.edges[index];
         let (a, b) = (p.points[i], p.points[j]);
-        let widest = limits.gap.max(limits.wall_gap).max(20.0);
+        let widest = limits.reach();
         let reach = |widest: f64| near.reach(a.min(b) - widest, a.max(b) + widest);
         // Streets may come nearer than walls.
         let (to_walls, to_streets) = (reach(widest), reach(limits.gap.max(20.0)));

@@ -8,7 +8,7 @@ use super::joint::joint_angle_fits;
 use super::near::Seg;
 use super::place::Placement;
 use super::proposal::Limits;
-use crate::patch::{ArmSample, LEAST_ARM, PatchView, SECTORS};
+use crate::patch::{ArmSample, LEAST_ARM, PatchView, Reach, SECTORS};
 use crate::space::math;
 use glam::{DVec2, Vec2, Vec4};
 use std::f64::consts::TAU;
@@ -37,9 +37,9 @@ pub(super) struct Surroundings {
     /// Distance at which something is met, by rays.
     far: [f32; RAYS * SECTORS],
     /// Distance up to which there may be room for a patch.
-    room: [Vec4; SECTORS / 4],
+    room: Reach,
     /// The same for patches that are mirrored.
-    mirrored: [Vec4; SECTORS / 4],
+    mirrored: Reach,
 }
 
 /// Greatest distance from a sample of an arm to where the arm meets what is near there, in metres.
@@ -52,20 +52,23 @@ const RAYS: usize = 2;
 const TOGETHER: usize = 4;
 
 impl Surroundings {
-    /// Whether a patch with this view may have room: not where it reaches farther than what is met.
-    pub fn may_hold(&self, view: &PatchView, mirrored: bool) -> bool {
+    /// How far it surely is no farther than to what is met straight on.
+    pub fn ahead(&self) -> f64 {
+        f64::from(self.far[0]) + STEP
+    }
+
+    /// Whether a patch that reaches so far may have room: not where that is farther than what is met.
+    pub fn may_hold(&self, reach: &Reach, mirrored: bool) -> bool {
         let room = if mirrored { &self.mirrored } else { &self.room };
-        view.reach.iter().zip(room).all(|(reach, room)| reach.cmple(*room).all())
+        reach.iter().zip(room).all(|(reach, room)| reach.cmple(*room).all())
     }
 
     /// Whether what lies at `to` from here and `distance` away may be in sight.
     pub fn may_see(&self, to: DVec2, distance: f64) -> bool {
         let rays = self.far.len() as i32;
-        let (x, y) = (self.direction.dot(to), self.direction.perp_dot(to));
-        // Within half a ray of the angle, in quarters of a turn.
-        let share = y.abs() / (x.abs() + y.abs()).max(1e-9);
-        let quarters = if x < 0.0 { 2.0 - share } else { share };
-        let ray = (quarters.copysign(y) * f64::from(rays) / 4.0).round() as i32;
+        let turned = DVec2::new(self.direction.dot(to), self.direction.perp_dot(to));
+        // It is off by less than half a ray.
+        let ray = (math::quarters(turned) * f64::from(rays) / 4.0).round() as i32;
         let far = |ray: i32| self.far[ray.rem_euclid(rays) as usize];
         far(ray - 1).max(far(ray)).max(far(ray + 1)) + 3.0 * STEP as f32 > distance as f32
     }
@@ -80,9 +83,9 @@ impl Work<'_> {
         for far in far.as_chunks_mut::<TOGETHER>().0 {
             let rays = [(); TOGETHER].map(|()| {
                 ray = turn.rotate(ray);
-                ray
+                (at, ray)
             });
-            *far = self.canvas.free.ahead(at, rays, reach).map(|far| far as f32);
+            *far = self.canvas.free.ahead(rays, reach).map(|far| far as f32);
         }
         let gap = self.limits.gap as f32;
         let room = std::array::from_fn(|sector| {

@@ -249,19 +249,24 @@ impl Work<'_> {
         if !ends_fit {
             return false;
         }
-        let gap = self.relaxed.gap.max(self.relaxed.wall_gap);
+        let (gap, wall_gap) = (self.relaxed.gap, self.relaxed.wall_gap);
+        // The border is long and asks for more room than streets do.
+        let keep_off = lines.iter().all(|line| {
+            let bounds = Bounds::of([line.a, line.b]).grown(wall_gap.max(gap));
+            let mut walls = self.canvas.overlapping_walls(bounds);
+            walls.all(|wall| self.keeps_off(line, wall, gone))
+        });
+        if !keep_off {
+            return false;
+        }
         let mut near = std::mem::take(&mut self.near);
         self.canvas.gather_segs(Bounds::of(lines.iter().flat_map(|l| [l.a, l.b])).grown(gap), &mut near);
-        near.segs.retain(|s| !gone.contains(&s.edge));
+        near.segs.retain(|s| !s.is_wall() && !gone.contains(&s.edge));
         let fits = lines.iter().all(|line| {
             let reach = near.reach(line.a.min(line.b) - gap, line.a.max(line.b) + gap);
             near.segs.iter().filter(|s| s.hull.overlaps(reach)).all(|s| {
                 let other = Line::of(s);
-                if s.is_wall() {
-                    self.keeps_off(line, s, gone)
-                } else {
-                    self.keep_apart(line, &other) && self.is_beside(line, lines, gone, &other)
-                }
+                self.keep_apart(line, &other) && self.is_beside(line, lines, gone, &other)
             })
         });
         self.near = near;

@@ -128,17 +128,17 @@ impl FreeGrid {
         self.origin + square.as_dvec2() * STEP
     }
 
-    /// About how far it is from a street at `from` in these directions to what is met next, up to `reach`. Several at once
-    /// take little longer than one.
-    pub fn ahead<const N: usize>(&self, from: DVec2, directions: [DVec2; N], reach: f64) -> [f64; N] {
-        let (from, slack, reach) = (self.in_squares(from), SLACK as f32, reach as f32);
-        let steps = directions.map(Self::step_in_squares);
+    /// About how far it is from streets at these places in these directions to what is met next, up to `reach`. Several at
+    /// once take little longer than one.
+    pub fn ahead<const N: usize>(&self, rays: [(DVec2, DVec2); N], reach: f64) -> [f64; N] {
+        let (slack, reach) = (SLACK as f32, reach as f32);
+        let rays = rays.map(|(from, direction)| (self.in_squares(from), Self::step_in_squares(direction)));
         // Not the street that is left.
         let mut far = [2.0 * slack; N];
         let mut done = [false; N];
         while done.contains(&false) {
             for i in 0..N {
-                let room = self.at_square(from + steps[i] * far[i]).sqrt();
+                let room = self.at_square(rays[i].0 + rays[i].1 * far[i]).sqrt();
                 done[i] |= far[i] >= reach || room < slack && far[i] > 4.0 * slack;
                 far[i] += if done[i] { 0.0 } else { room.max(0.5 * STEP as f32) };
             }

@@ -3,7 +3,7 @@
 use super::Work;
 use super::proposal::Join;
 use crate::network::VertexIx;
-use crate::space::math::{acos, rotate};
+use crate::space::{Bounds, math::rotate};
 use crate::streets::MadeBy;
 use glam::DVec2;
 
@@ -15,9 +15,11 @@ impl Work<'_> {
         let (degree, snap) = (local.degree, local.snap_radius);
         let length = local.length + self.rng.signed() * local.deviation;
         let off = self.rng.signed() * local.angle_deviation_deg.to_radians();
-        self.gather(at, length + snap + 2.0 * self.limits.gap);
         // A shorter street or one that turns aside, where the first choice does not fit.
-        let bend = acos(self.straightness);
+        let bend = self.most_turn;
+        let far = length + snap.max(self.limits.gap);
+        let beside = far * (bend + off.abs()).min(1.0) + self.limits.reach();
+        self.canvas.gather(Bounds::of([at, at + direction * far]), beside, &mut self.near);
         let tries = [(1.0, off), (0.65, off), (1.0, 0.5 * bend), (1.0, -0.5 * bend), (0.65, bend), (0.65, -bend)];
         for (share, angle) in tries {
             let to = at + rotate(direction, angle) * (length * share).max(local.min_length);

@@ -38,7 +38,7 @@ use canvas::Canvas;
 use checker::Checker;
 use glam::DVec2;
 use near::{Near, Seg};
-use patches::Ranked;
+use patches::{Bridge, Ranked};
 use pinned::Laid;
 use proposal::{Join, Limits, Proposal};
 use std::collections::VecDeque;
@@ -112,8 +112,12 @@ struct Work<'a> {
     /// Obstacles around one placement.
     around: Near,
     proposal: Proposal,
-    /// Proposals to choose from.
+    /// Proposals to choose from, the patches that they are of in order, placements between two vertices, and the vertices
+    /// to reach.
     ranked: Vec<Ranked>,
+    order: Vec<u64>,
+    bridges: Vec<Bridge>,
+    targets: Vec<(f64, VertexIx)>,
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.
     slots: Vec<u32>,
@@ -184,6 +188,9 @@ impl<'a> Work<'a> {
             around: Near::default(),
             proposal: Proposal::default(),
             ranked: Vec::new(),
+            order: Vec::new(),
+            bridges: Vec::new(),
+            targets: Vec::new(),
             built: Vec::new(),
             slots: Vec::new(),
             line: Vec::new(),

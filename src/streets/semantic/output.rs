@@ -75,6 +75,9 @@ impl Work<'_> {
     /// What made the greatest part of a chain.
     pub(super) fn maker(&self, chain: &[(EdgeIx, bool)]) -> MadeBy {
         let g = &self.canvas.graph;
+        if let [(e, _)] = chain {
+            return g.edge(*e).data;
+        }
         let mut shares: Vec<(MadeBy, f64)> = Vec::new();
         for (e, _) in chain {
             let (a, b) = g.segment(*e);

@@ -2,11 +2,11 @@
 
 use super::Work;
 use super::coarse::Surroundings;
-use super::near::nearest;
+use super::near::{Tip, nearest};
 use super::place::Placement;
 use super::proposal::{Join, Proposal};
 use crate::network::VertexIx;
-use crate::patch::{Connectable, LEAST_ARM, Patch, STRETCH};
+use crate::patch::{Connectable, LEAST_ARM, Passage, Patch, PatchView, STRETCH};
 use crate::space::{
     Bounds,
     math::{rotate, turn},
@@ -23,8 +23,11 @@ const LEAST_CORE: f64 = 0.3;
 /// Greatest angle between a patch whose arms are led on and the line that it lies on, in radians.
 const STRAIGHT: f64 = 0.12;
 
-/// Share of such patches that are looked at; there are far more of them than places.
-const SAMPLED: f64 = 0.4;
+/// Passages between two vertices that are looked at, of all that suit the distance and the headings.
+const LOOKED_AT: usize = 8;
+
+/// Share of the patches whose arms are led on that are looked at; there are far more of them than places.
+const SAMPLED: f64 = 0.2;
 
 /// What a loose end more that a placement meets adds to its rating, as a share.
 const MET: f64 = 0.5;
@@ -50,7 +53,7 @@ pub(super) struct Ranked {
 }
 
 /// A patch between two vertices.
-struct Bridge {
+pub(super) struct Bridge {
     rating: f64,
     placement: Placement,
     /// Vertex of the patch at its far end, and that of the graph there.
@@ -87,12 +90,11 @@ impl Work<'_> {
             return false;
         }
         let reach = 2.0 * self.largest * (1.0 + STRETCH) + self.limits.gap;
-        self.canvas.gather_tips(Bounds::of([at]), reach, &mut self.near);
-        let ahead = self.ray(at, at + direction * 400.0, v).map_or(400.0, |h| h.1 * 400.0);
-        if ahead < self.limits.min_piece {
+        let around = self.surroundings(at, direction, reach);
+        if around.ahead() < self.limits.min_piece {
             return false;
         }
-        let around = self.surroundings(at, direction, reach);
+        self.canvas.gather_tips(Bounds::of([at]), reach, &mut self.near);
         self.breadth_first(v, at, &around) || self.depth_first(v, at, direction, &around)
     }
 
@@ -115,7 +117,8 @@ impl Work<'_> {
     /// Looks for a patch that connects `v` with another loose end in sight.
     fn breadth_first(&mut self, v: VertexIx, at: DVec2, around: &Surroundings) -> bool {
         let Some(onward) = self.canvas.onward(v) else { return false };
-        let mut targets: Vec<(f64, VertexIx)> = Vec::new();
+        let mut targets = std::mem::take(&mut self.targets);
+        targets.clear();
         for tip in self.near.tips.iter().filter(|t| t.open && t.v != v) {
             let d = tip.at.distance(at);
             if d < self.farthest && around.may_see(tip.at - at, d) {
@@ -123,23 +126,27 @@ impl Work<'_> {
             }
         }
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut found: Vec<Bridge> = Vec::new();
+        let mut found = std::mem::take(&mut self.bridges);
+        found.clear();
         let mut bridged = 0;
-        for (_, w) in targets {
+        for &(_, w) in &targets {
             bridged += usize::from(self.find_bridges(v, at, onward, w, &mut found));
             if bridged == TARGETS {
                 break;
             }
         }
+        let mut built = false;
         for _ in 0..CHECKED {
             let best = (0..found.len()).reduce(|a, b| if found[b].rating > found[a].rating { b } else { a });
             let Some(Bridge { placement, end, .. }) = best.map(|best| found.swap_remove(best)) else { break };
-            if self.build_patch(&placement, &[(placement.start, v), end]) {
+            built = self.build_patch(&placement, &[(placement.start, v), end]);
+            if built {
                 self.after_patch(placement.patch);
-                return true;
+                break;
             }
         }
-        false
+        (self.targets, self.bridges) = (targets, found);
+        built
     }
 
     /// Collects the placements of patches between `v`, from where its street leads `onward`, and the loose end `w`; false
@@ -153,14 +160,17 @@ impl Work<'_> {
         let in_line = onward.dot(line) > self.straightness && beyond.dot(-line) > self.straightness;
         let wanted = [turn(line, onward), turn(line, -beyond)];
         let passages = patches.passages_near(d, STRETCH * d, wanted, self.bending + self.most_turn);
-        let mut passages = passages.peekable();
-        if !in_line && passages.peek().is_none() || self.ray(at, target, v).is_some_and(|(s, _, _)| !s.ends_at(w)) {
+        let mut all: Vec<&Passage> = Vec::with_capacity(4 * LOOKED_AT);
+        all.extend(passages);
+        if !in_line && all.is_empty() || self.ray(at, target, v).is_some_and(|(s, _, _)| !s.ends_at(w)) {
             return false;
         }
         if in_line {
             self.stretched(v, at, w, target, found);
         }
-        for passage in passages {
+        // Some are enough to choose from.
+        let step = all.len().div_ceil(LOOKED_AT).max(1);
+        for passage in all.into_iter().skip(self.rng.index(step)).step_by(step) {
             let weight = self.weight(passage.patch);
             // The street must go on at both ends without a sharp bend.
             let bend = self.bend([passage.leaves, passage.arrives], wanted.map(Some));
@@ -244,11 +254,13 @@ impl Work<'_> {
         let variation = 0.5 * self.brief.style.local.angle_deviation_deg.to_radians();
         let ways = [0.0, -0.5, 0.5, -1.0, 1.0].map(|share| rotate(direction, share * variation));
         // The best last; of two alike the first. As whole numbers they are in order in a quarter of the time.
-        let mut order: Vec<u64> = Vec::new();
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
         for patch in 0..self.used.len() {
             let weight = self.weight(patch);
-            let mut views = patches.facts(patch).views.iter();
-            if weight > 0.0 && views.any(|view| around.may_hold(view, false) || around.may_hold(view, true)) {
+            let facts = patches.facts(patch);
+            let holds = |view: &PatchView| around.may_hold(&view.reach, false) || around.may_hold(&view.reach, true);
+            if weight > 0.0 && around.may_hold(&facts.least_reach, false) && facts.views.iter().any(holds) {
                 let key = (weight * self.rng.range(0.5, 1.5)) as f32;
                 order.push(u64::from(key.to_bits()) << 32 | u64::from(!(patch as u32)));
             }
@@ -256,7 +268,7 @@ impl Work<'_> {
         order.sort_unstable();
         let mut ranked = std::mem::take(&mut self.ranked);
         let (mut tried, mut count) = (0, 0);
-        'patches: for entry in order.into_iter().rev() {
+        'patches: for entry in order.iter().copied().rev() {
             let (key, patch) = (f64::from(f32::from_bits((entry >> 32) as u32)), !(entry as u32) as usize);
             let p = &patches.patches[patch];
             let views = &patches.facts(patch).views;
@@ -267,7 +279,9 @@ impl Work<'_> {
             for k in first..first + n {
                 let (end, mirrored, way) = (k % n / 2, k % 2 == 1, ways[k % ways.len()]);
                 let view = &views[end];
-                if !around.may_hold(view, mirrored) || !self.view_roughly_fits(view, self.overlay(at, way, mirrored)) {
+                if !around.may_hold(&view.reach, mirrored)
+                    || !self.view_roughly_fits(view, self.overlay(at, way, mirrored))
+                {
                     continue;
                 }
                 let c = &p.connectables[end];
@@ -292,6 +306,7 @@ impl Work<'_> {
                 }
             }
         }
+        self.order = order;
         ranked[..count].sort_by(|a, b| b.rating.total_cmp(&a.rating));
         let built = ranked[..count].iter_mut().find_map(|r| {
             std::mem::swap(&mut r.proposal, &mut self.proposal);
@@ -313,21 +328,23 @@ impl Work<'_> {
     pub(super) fn rate(&self) -> f64 {
         let nearby = self.nearby();
         let p = &self.proposal;
+        let bounds = Bounds::of(p.points.iter().copied()).grown(nearby);
+        let tips: Vec<&Tip> = self.near.tips.iter().filter(|t| bounds.contains(t.at)).collect();
         let mut rating: f64 = 1.0;
         for (i, at) in p.points.iter().enumerate() {
             let mut edges = p.edges.iter().filter(|(a, b)| *a == i || *b == i);
             match p.joins[i] {
                 Join::Free(true) => {
                     // A connectable vertex that faces the end of a cul-de-sac leads nowhere.
-                    let blocked = self.near.tips.iter().any(|t| !t.open && t.at.distance(*at) < nearby);
+                    let blocked = tips.iter().any(|t| !t.open && t.at.distance(*at) < nearby);
                     rating -= if blocked { 0.2 } else { 0.0 };
                 }
                 Join::Free(false) => {
                     let (Some((a, b)), None) = (edges.next(), edges.next()) else { continue };
                     // A cul-de-sac fills a small place, and hinders in a wide one.
                     let onward = (*at - p.points[if *a == i { *b } else { *a }]).normalize_or_zero();
-                    let ways = [onward, onward.perp(), -onward.perp()];
-                    let fills = self.canvas.free.ahead(*at, ways, nearby).iter().any(|far| *far < nearby);
+                    let rays = [onward, onward.perp(), -onward.perp()].map(|way| (*at, way));
+                    let fills = self.canvas.free.ahead(rays, nearby).iter().any(|far| *far < nearby);
                     rating += if fills { 0.1 } else { -0.2 };
                 }
                 Join::At(_) => rating += 0.3,
@@ -336,10 +353,9 @@ impl Work<'_> {
         }
         for (a, b) in &p.edges {
             let (a, b) = (p.points[*a], p.points[*b]);
-            let hinders =
-                self.near.tips.iter().any(|t| {
-                    t.open && nearest(t.at, a, b).distance(t.at) < nearby && !p.joins.contains(&Join::At(t.v))
-                });
+            let hinders = tips
+                .iter()
+                .any(|t| t.open && nearest(t.at, a, b).distance(t.at) < nearby && !p.joins.contains(&Join::At(t.v)));
             rating -= if hinders { 0.2 } else { 0.0 };
         }
         rating.max(0.05)

@@ -83,7 +83,7 @@ impl Placement {
 impl Work<'_> {
     /// Collects the obstacles that matter to the proposal; [`unfocus`](Self::unfocus) takes that back.
     fn focus(&mut self) {
-        let reach = self.limits.gap.max(self.limits.wall_gap).max(self.nearby()).max(30.0) + 1.0;
+        let reach = self.limits.reach() + 1.0;
         let bounds = Bounds::of(self.proposal.points.iter().copied()).grown(reach);
         std::mem::swap(&mut self.near, &mut self.around);
         self.canvas.gather_segs(bounds, &mut self.near);

@@ -86,6 +86,13 @@ impl Proposal {
     }
 }
 
+impl Limits {
+    /// No street must keep farther away from anything than this.
+    pub fn reach(&self) -> f64 {
+        self.gap.max(self.wall_gap).max(20.0)
+    }
+}
+
 /// What a proposal must keep to. Lengths in metres, angles in radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {

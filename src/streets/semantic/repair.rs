@@ -353,9 +353,8 @@ impl Work<'_> {
             let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
             for k in 1..parts {
                 let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-                let [far] = self.canvas.free.ahead(from, [way], reach);
-                let end = from + way * far;
-                let cost = self.cost_across(from, end, far * off, angle, middle);
+                let [far] = self.canvas.free.ahead([(from, way)], reach);
+                let cost = self.cost_across(from, from + way * far, far * off, angle, middle);
                 starts.push(Start { cost, from, square, way, angle, edge });
             }
         }
