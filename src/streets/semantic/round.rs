@@ -39,11 +39,14 @@ impl Work<'_> {
         let turn = |i: usize| angle_between(line[i] - line[i - 1], line[i + 1] - line[i]);
         let pinned = |i: usize| self.canvas.nodes[vertices[i] as usize].pinned;
         let last = line.len() - 1;
-        let corners: Vec<usize> = (1..last).filter(|i| turn(*i) > SHARP && !pinned(*i)).collect();
+        // A curve begins and ends between these: what is pinned stays where it is.
+        let stops: Vec<usize> = (0..=last).filter(|i| [0, last].contains(i) || pinned(*i) || turn(*i) > SHARP).collect();
         let mut curves = Vec::new();
-        for (k, &i) in corners.iter().enumerate() {
-            let before = along[i] - if k > 0 { along[corners[k - 1]] } else { 0.0 };
-            let after = corners.get(k + 1).map_or(along[last], |j| along[*j]) - along[i];
+        for &[previous, i, next] in stops.array_windows() {
+            if pinned(i) {
+                continue;
+            }
+            let (before, after) = (along[i] - along[previous], along[next] - along[i]);
             let reach = most.min(MOST_SHARE * before.min(after));
             if reach < LEAST_REACH {
                 continue;
