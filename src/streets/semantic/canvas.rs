@@ -157,7 +157,8 @@ impl Canvas {
     /// Moves a vertex of the finished cell, of which the coarse grid is asked no more.
     pub fn move_vertex(&mut self, v: VertexIx, to: DVec2) {
         self.graph.move_vertex(v, to);
-        for edge in self.graph.edges_at(v).to_vec() {
+        for i in 0..self.graph.degree(v) {
+            let edge = self.graph.edges_at(v)[i];
             self.put(self.walls + edge as usize, self.seg(edge));
         }
     }

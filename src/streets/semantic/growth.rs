@@ -23,12 +23,17 @@ impl Work<'_> {
         let tries = [(1.0, off), (0.65, off), (1.0, 0.5 * bend), (1.0, -0.5 * bend), (0.65, bend), (0.65, -bend)];
         for (share, angle) in tries {
             let to = at + rotate(direction, angle) * (length * share).max(local.min_length);
-            let mut line = vec![at, to];
-            let Some(join) = self.settle(&mut line, v, &self.limits) else { continue };
-            self.proposal.line(&line, Join::At(v), join);
-            if !self.build_if_fits(&self.limits.clone(), MadeBy::Growth) {
-                continue;
+            let mut line = std::mem::take(&mut self.line);
+            line.clear();
+            line.extend([at, to]);
+            let join = self.settle(&mut line, v, &self.limits);
+            if let Some(join) = join {
+                self.proposal.line(&line, Join::At(v), join);
             }
+            self.line = line;
+            let Some(join) = join.filter(|_| self.build_if_fits(&self.limits.clone(), MadeBy::Growth)) else {
+                continue;
+            };
             if join == Join::Free(true) {
                 let target = degree.0 as usize + self.rng.index((degree.1.saturating_sub(degree.0) + 1) as usize);
                 self.canvas.nodes[self.built[1] as usize].target = target;

@@ -283,6 +283,7 @@ impl Work<'_> {
                 return false;
             }
             let crossing = degree(inner) > 2;
+            let (low, high) = (e.min(f) - STREET_FLOOR, e.max(f) + STREET_FLOOR);
             for (k, &(c, d)) in p.edges.iter().enumerate() {
                 if k == i {
                     continue;
@@ -294,6 +295,9 @@ impl Work<'_> {
                     if cosine > if crossing { 0.74 } else { 0.0 } {
                         return false;
                     }
+                    continue;
+                }
+                if s.max(t).cmplt(low).any() || s.min(t).cmpgt(high).any() {
                     continue;
                 }
                 if segment_crossing(e, f, s, t).is_some() {

@@ -40,7 +40,8 @@ impl Work<'_> {
         let pinned = |i: usize| self.canvas.nodes[vertices[i] as usize].pinned;
         let last = line.len() - 1;
         // A curve begins and ends between these: what is pinned stays where it is.
-        let stops: Vec<usize> = (0..=last).filter(|i| [0, last].contains(i) || pinned(*i) || turn(*i) > SHARP).collect();
+        let stops: Vec<usize> =
+            (0..=last).filter(|i| [0, last].contains(i) || pinned(*i) || turn(*i) > SHARP).collect();
         let mut curves = Vec::new();
         for &[previous, i, next] in stops.array_windows() {
             if pinned(i) {
