@@ -173,8 +173,10 @@ impl<E: Clone> PlanarGraph<E> {
         self.positions[v as usize] = quantize(p);
         let after: Vec<Indexed> = edges.iter().map(|e| indexed(self, *e)).collect();
         if let Some(index) = &mut self.index {
-            before.iter().for_each(|e| drop(index.remove(e)));
-            after.into_iter().for_each(|e| index.insert(e));
+            for (old, new) in before.iter().zip(after) {
+                index.remove(old);
+                index.insert(new);
+            }
         }
     }
 
@@ -451,6 +453,7 @@ mod tests {
                 let (a, b) = (g.add_vertex(p), g.add_vertex(p.yx() * 0.5 + 9.0));
                 g.add_edge(a, b, i);
                 remove.map(|e| g.remove_edge(e));
+                g.move_vertex(a / 2, p.yx());
             }
             let around = Bounds::square(p, s.range(1.0, 400.0));
             assert_eq!(graphs[0].edges_near(around), graphs[1].edges_near(around));

@@ -17,6 +17,7 @@ mod pattern;
 mod pinned;
 mod place;
 mod proposal;
+mod refit;
 mod repair;
 mod round;
 #[cfg(test)]

@@ -1,0 +1,199 @@
+//! Whether straight streets may be laid in the place of what is there: as near to all else as the rules of the repair allow,
+//! or, as streets near a junction are nearer than that, no nearer than what goes.
+
+use super::Work;
+use super::checker::{DEAD_END_FLOOR, WEDGE};
+use super::near::{Seg, nearest};
+use crate::network::{EdgeIx, VertexIx};
+use crate::patch::STREET_FLOOR;
+use crate::seam::STUB_LENGTH;
+use crate::space::{Bounds, distance_to_segment, segment_distance};
+use glam::DVec2;
+
+/// Least cosine of the angle between a port's street and the stub that it begins as.
+const PORT: f64 = 0.93;
+
+/// Least share of the distance from the border that is left of it, where that is no more than is asked of new streets.
+const ROOM_LEFT: f64 = 0.8;
+
+/// Least share of a way along streets that is left of it, where that may be a way around a block that is too small.
+const WAY_LEFT: f64 = 0.8;
+
+/// A straight street, or a part of one, in the place of what is there.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    /// Its first end; the vertex may lie elsewhere yet.
+    pub from: VertexIx,
+    /// Its last end.
+    pub to: VertexIx,
+    /// Where it begins.
+    pub a: DVec2,
+    /// Where it ends.
+    pub b: DVec2,
+    /// The edges that it takes the place of, among those that go.
+    pub was: (usize, usize),
+}
+
+impl Line {
+    fn of(s: &Seg) -> Self {
+        Self { from: s.va, to: s.vb, a: s.a, b: s.b, was: (0, 0) }
+    }
+
+    fn ends_at(&self, v: VertexIx) -> bool {
+        self.from == v || self.to == v
+    }
+
+    fn distance(&self, other: &Self) -> f64 {
+        segment_distance(self.a, self.b, other.a, other.b)
+    }
+
+    /// Where they may come nearest to each other if they do not cross.
+    fn pairs(&self, other: &Self) -> [(DVec2, DVec2); 4] {
+        [
+            (self.a, nearest(self.a, other.a, other.b)),
+            (self.b, nearest(self.b, other.a, other.b)),
+            (nearest(other.a, self.a, self.b), other.a),
+            (nearest(other.b, self.a, self.b), other.b),
+        ]
+    }
+
+    /// Its length in metres.
+    pub fn length(&self) -> f64 {
+        self.a.distance(self.b)
+    }
+
+    /// Direction in which it leaves the end `v`.
+    pub fn way_from(&self, v: VertexIx) -> DVec2 {
+        let way = (self.b - self.a).normalize_or_zero();
+        if self.from == v { way } else { -way }
+    }
+
+    /// Its ends, each with its position and that of the other end.
+    fn ends(&self) -> [(VertexIx, DVec2, DVec2); 2] {
+        [(self.from, self.a, self.b), (self.to, self.b, self.a)]
+    }
+}
+
+impl Work<'_> {
+    /// Whether a way along streets that changes from `before` metres to `now` still leads around blocks that are large
+    /// enough: it ends `apart` metres from where it began.
+    pub(super) fn keeps_way(&self, now: f64, before: f64, apart: f64) -> bool {
+        now + apart >= self.relaxed.min_round || now >= WAY_LEFT * before
+    }
+
+    /// Whether these may be laid in the place of the edges `gone`.
+    pub(super) fn lines_fit(&mut self, lines: &[Line], gone: &[EdgeIx]) -> bool {
+        let g = &self.canvas.graph;
+        let ends_fit = lines.iter().all(|line| {
+            line.ends().into_iter().all(|(v, at, other)| {
+                let way = (other - at).normalize_or_zero();
+                let others = || g.edges_at(v).iter().filter(|e| !gone.contains(e));
+                let bends = others().count() == 1;
+                let most = if bends { self.relaxed.bend_cosine } else { self.relaxed.junction_cosine };
+                self.leaves_port(v, way)
+                    && others().all(|e| way.dot((g.at(g.edge(*e).other(v)) - g.at(v)).normalize_or_zero()) <= most)
+            })
+        });
+        if !ends_fit {
+            return false;
+        }
+        let (gap, wall_gap) = (self.relaxed.gap, self.relaxed.wall_gap);
+        // The border is long and asks for more room than streets do.
+        let keep_off = lines.iter().all(|line| {
+            let bounds = Bounds::of([line.a, line.b]).grown(wall_gap.max(gap));
+            let mut walls = self.canvas.overlapping_walls(bounds);
+            walls.all(|wall| self.keeps_off(line, wall, gone))
+        });
+        if !keep_off {
+            return false;
+        }
+        let mut near = std::mem::take(&mut self.near);
+        self.canvas.gather_segs(Bounds::of(lines.iter().flat_map(|l| [l.a, l.b])).grown(gap), &mut near);
+        near.segs.retain(|s| !s.is_wall() && !gone.contains(&s.edge));
+        let fits = lines.iter().all(|line| {
+            let reach = near.reach(line.a.min(line.b) - gap, line.a.max(line.b) + gap);
+            near.segs.iter().filter(|s| s.hull.overlaps(reach)).all(|s| {
+                let other = Line::of(s);
+                self.keep_apart(line, &other) && self.is_beside(line, lines, gone, &other)
+            })
+        });
+        self.near = near;
+        fits
+    }
+
+    /// Whether a street from `v` in the direction `way` leaves the main street about squarely, if `v` is a port.
+    fn leaves_port(&self, v: VertexIx, way: DVec2) -> bool {
+        self.canvas.nodes[v as usize].port.is_none_or(|port| way.dot(self.brief.ports[port].inward) >= PORT)
+    }
+
+    /// Whether the dead ends of two lines that meet are far enough from the other line.
+    pub(super) fn keep_apart(&self, x: &Line, y: &Line) -> bool {
+        let tips = |x: &Line, y: &Line| {
+            x.ends().into_iter().all(|(v, at, _)| {
+                y.ends_at(v) || !self.canvas.is_dead_end(v) || distance_to_segment(at, y.a, y.b) >= DEAD_END_FLOOR
+            })
+        };
+        !(x.ends_at(y.from) || x.ends_at(y.to)) || (tips(x, y) && tips(y, x))
+    }
+
+    /// Whether one of `lines` keeps as far from a street as that must be, or is no nearer than what was there.
+    fn is_beside(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
+        if line.ends_at(other.from) || line.ends_at(other.to) {
+            return true;
+        }
+        let now = line.distance(other);
+        now >= self.relaxed.gap
+            || now >= self.before(line, gone, other)
+            || now > 0.0 && self.is_near_along(line, lines, gone, other)
+    }
+
+    /// Whether a line and a street are as near each other as they may be because they are near along the network: over a
+    /// street between their ends.
+    fn is_near_along(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
+        let g = &self.canvas.graph;
+        let pairs = line.pairs(other);
+        let may_be = |at: DVec2, w: VertexIx| {
+            // A street that meets the line may come nearer to it than others.
+            let floor = if self.canvas.is_end(w) { STREET_FLOOR } else { 0.0 };
+            let end = g.at(w);
+            pairs.iter().all(|(q, r)| {
+                let way = q.distance(at) + at.distance(end) + end.distance(*r);
+                q.distance(*r) >= self.relaxed.gap.min(WEDGE * way).max(floor)
+            })
+        };
+        line.ends().into_iter().any(|(v, at, _)| {
+            let here = lines.iter().filter(|l| l.from == v).map(|l| l.to);
+            let stay = g.edges_at(v).iter().filter(|e| !gone.contains(e)).map(|e| g.edge(*e).other(v));
+            here.chain(stay).any(|w| other.ends_at(w) && may_be(at, w))
+        })
+    }
+
+    /// Distance of what a line takes the place of from another.
+    fn before(&self, line: &Line, gone: &[EdgeIx], other: &Line) -> f64 {
+        let was = gone[line.was.0..line.was.1].iter().map(|e| self.canvas.graph.segment(*e));
+        was.map(|(a, b)| segment_distance(a, b, other.a, other.b)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a line keeps as far from a wall as streets must, or is about no nearer than what was there.
+    fn keeps_off(&self, line: &Line, wall: &Seg, gone: &[EdgeIx]) -> bool {
+        let wall_gap = self.relaxed.wall_gap;
+        let wall_line = Line::of(wall);
+        let port = line.ends().into_iter().find(|(v, ..)| self.canvas.nodes[*v as usize].port.is_some());
+        if let Some((_, at, far)) = port {
+            let from_wall = |p: DVec2| distance_to_segment(p, wall.a, wall.b);
+            if from_wall(at) < 0.01 {
+                return line.length() <= STUB_LENGTH || from_wall(far) >= wall.floor;
+            }
+            // The wall is near along the main street.
+            let may_be = line.pairs(&wall_line).into_iter().all(|(q, r)| {
+                let floor = if q.distance(at) < STUB_LENGTH { 0.0 } else { wall.floor };
+                q.distance(r) >= wall_gap.min(WEDGE * (q.distance(at) + at.distance(r))).max(floor)
+            });
+            if may_be {
+                return line.distance(&wall_line) > 0.0;
+            }
+        }
+        let (now, before) = (line.distance(&wall_line), self.before(line, gone, &wall_line));
+        now >= before || now >= wall_gap.min(ROOM_LEFT * before).max(wall.floor)
+    }
+}
