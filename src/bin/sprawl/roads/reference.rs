@@ -4,7 +4,7 @@ use crate::fail::Fail;
 use bevy_sprawl::export::RoadLine;
 use bevy_sprawl::layer::FileError;
 use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::space::{Bounds, Geographic};
+use bevy_sprawl::space::Geographic;
 use geojson::{Feature, GeoJson, GeometryValue, Position};
 use glam::DVec2;
 use osmpbf::{Element, ElementReader};
@@ -115,8 +115,8 @@ const STREETS: [&str; 10] = [
     "road",
 ];
 
-/// The streets of a real town and the outlines of its buildings, in metres around a place in degrees, or else around the middle of
-/// the file's streets. Fails on a file without a street.
+/// The streets of a real town and the outlines of its buildings, in metres around a place in degrees, or else where half of
+/// the points of the file's streets lie on either side. Fails on a file without a street.
 pub fn town(path: &Path, around: Option<DVec2>) -> Result<[Vec<RoadLine>; 2], Fail> {
     let classes = STREETS.map(String::from);
     let wanted = Wanted { classes: &classes, streets: true, buildings: false };
@@ -124,8 +124,14 @@ pub fn town(path: &Path, around: Option<DVec2>) -> Result<[Vec<RoadLine>; 2], Fa
     if both[0].is_empty() {
         return Err(Fail::file(path, "no street"));
     }
-    let all = Bounds::of(both[0].iter().flat_map(|r| r.line.iter().copied()));
-    let geographic = Some(around.unwrap_or(all.centre())).filter(|p| p.is_finite()).and_then(Geographic::around);
+    // Some ways of an extract reach far out of it; half of their points lie on either side of the middle.
+    let middle = |of: fn(&DVec2) -> f64| {
+        let mut all: Vec<f64> = both[0].iter().flat_map(|r| &r.line).map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let middle = DVec2::new(middle(|p| p.x), middle(|p| p.y));
+    let geographic = Some(around.unwrap_or(middle)).filter(|p| p.is_finite()).and_then(Geographic::around);
     let geographic = geographic.ok_or_else(|| Fail::file(path, "its middle is no place in degrees"))?;
     both.iter_mut().flatten().flat_map(|r| &mut r.line).for_each(|p| *p = geographic.to_plan(*p));
     Ok(both)
