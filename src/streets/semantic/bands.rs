@@ -63,22 +63,18 @@ impl Bands {
 
 #[cfg(test)]
 mod tests {
+    use super::super::squares::tests::segments_about;
     use super::*;
-    use crate::space::Seed;
 
     #[test]
     fn finds_what_a_full_scan_finds() {
         for seed in 0..40 {
-            let mut s = Seed(seed).stream("test", &[]);
-            let bounds = Bounds::new(DVec2::new(-50.0, 20.0), DVec2::new(s.range(30.0, 500.0), s.range(60.0, 500.0)));
+            let (bounds, mut segment) = segments_about(seed);
             let mut bands = Bands::new(bounds);
-            // Some outside, some that have moved.
-            let mut place = || {
-                let p = DVec2::new(s.range(-120.0, 560.0), s.range(-60.0, 560.0));
-                Bounds::of([p, p + DVec2::new(s.range(-90.0, 90.0), s.range(-90.0, 90.0))])
-            };
+            let mut place = || Bounds::of(<[DVec2; 2]>::from(segment()));
             let mut boxes: Vec<_> = (0..150).map(|_| place()).collect();
             boxes.iter().enumerate().for_each(|(i, b)| bands.put(i, *b));
+            // Some move.
             for i in (0..150).step_by(7) {
                 boxes[i] = place();
                 bands.put(i, boxes[i]);

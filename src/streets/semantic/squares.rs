@@ -112,24 +112,29 @@ impl Squares {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::space::{Seed, segment_crossing};
+
+    /// A random cell and what makes random segments about it: some outside, some along the axes.
+    pub fn segments_about(seed: u64) -> (Bounds, impl FnMut() -> (DVec2, DVec2)) {
+        let mut s = Seed(seed).stream("test", &[]);
+        let bounds = Bounds::new(DVec2::new(-50.0, 20.0), DVec2::new(s.range(30.0, 500.0), s.range(60.0, 500.0)));
+        let place = move || {
+            let p = DVec2::new(s.range(-120.0, 560.0), s.range(-60.0, 560.0));
+            let p = if s.chance(0.3) { (p / 40.0).round() * 40.0 - DVec2::new(50.0, 20.0) } else { p };
+            let d = DVec2::new(s.range(-90.0, 90.0), s.range(-90.0, 90.0));
+            let d = if s.chance(0.2) { DVec2::new(d.x, 0.0) } else { d };
+            (p, p + if s.chance(0.2) { DVec2::new(0.0, d.y) } else { d })
+        };
+        (bounds, place)
+    }
 
     #[test]
     fn finds_what_a_full_scan_finds() {
         for seed in 0..40 {
-            let mut s = Seed(seed).stream("test", &[]);
-            let bounds = Bounds::new(DVec2::new(-50.0, 20.0), DVec2::new(s.range(30.0, 500.0), s.range(60.0, 500.0)));
+            let (bounds, mut place) = segments_about(seed);
             let mut squares = Squares::new(bounds);
-            // Some outside, some along the axes.
-            let mut place = || {
-                let p = DVec2::new(s.range(-120.0, 560.0), s.range(-60.0, 560.0));
-                let p = if s.chance(0.3) { (p / 40.0).round() * 40.0 - DVec2::new(50.0, 20.0) } else { p };
-                let d = DVec2::new(s.range(-90.0, 90.0), s.range(-90.0, 90.0));
-                let d = if s.chance(0.2) { DVec2::new(d.x, 0.0) } else { d };
-                (p, p + if s.chance(0.2) { DVec2::new(0.0, d.y) } else { d })
-            };
             let lines: Vec<_> = (0..150).map(|_| place()).collect();
             lines.iter().enumerate().for_each(|(i, (a, b))| squares.put(i as u32, *a, *b));
             for _ in 0..100 {
