@@ -10,7 +10,7 @@ use rstar::{AABB, RTree, RTreeObject};
 
 /// Index of a vertex; stays valid while the graph grows.
 pub type VertexIx = u32;
-/// Index of an edge; a removed or split edge's index is never used for another.
+/// Index of an edge; a removed or split edge's index is never used again.
 pub type EdgeIx = u32;
 
 /// An edge between two vertices.

@@ -1,7 +1,7 @@
 //! The patches that a style may use, indexed for the searches.
 
 use crate::patch::shape::least_reach;
-use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern, Reach};
+use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern, SectorReach};
 use crate::space::math::turn;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -74,7 +74,7 @@ pub struct PatchFacts {
     /// The same as seen from each of its connectable vertices, in their order.
     pub views: Vec<PatchView>,
     /// The least [`PatchView::reach`] in each sector of these views and of the same mirrored.
-    pub least_reach: Reach,
+    pub least_reach: SectorReach,
 }
 
 impl PatchFacts {

@@ -107,11 +107,16 @@ pub struct PatchView {
     /// The other [`PatchShape::arms`].
     pub arms: Vec<Vec<ArmSample>>,
     /// The greatest distance of a sample in each sector, the middle of the first of which is x, counter-clockwise.
-    pub reach: Reach,
+    pub reach: SectorReach,
 }
 
-/// A distance in each of [`SECTORS`], four together.
-pub type Reach = [Vec4; SECTORS / 4];
+/// A distance in each of [`SECTORS`], in metres, four together.
+pub type SectorReach = [Vec4; SECTORS / 4];
+
+/// The distances that are given for each sector, together.
+pub(crate) fn in_sectors(distance: impl Fn(usize) -> f32) -> SectorReach {
+    std::array::from_fn(|k| Vec4::from_array(std::array::from_fn(|lane| distance(4 * k + lane))))
+}
 
 /// A point on the part of an arm that may be cut back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,14 +158,13 @@ impl PatchView {
 }
 
 /// The least reach in each sector of some views and of the same mirrored.
-pub(super) fn least_reach(views: &[PatchView]) -> Reach {
+pub(super) fn least_reach(views: &[PatchView]) -> SectorReach {
     let of_sector = |view: &PatchView, sector: usize| view.reach[sector / 4][sector % 4];
-    let least = |sector: usize| {
+    in_sectors(|sector| {
         let mirrored = (SECTORS - sector) % SECTORS;
         let both = views.iter().map(|view| of_sector(view, sector).min(of_sector(view, mirrored)));
         both.fold(f32::INFINITY, f32::min)
-    };
-    std::array::from_fn(|k| Vec4::from_array(std::array::from_fn(|lane| least(4 * k + lane))))
+    })
 }
 
 /// Points along a line, no more than `step` apart, the first `from` metres after its beginning, the last at its end.

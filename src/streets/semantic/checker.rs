@@ -3,7 +3,7 @@
 
 use super::canvas::Canvas;
 use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
-use super::near::{NONE, Near, Seg, nearest};
+use super::near::{NONE, Near, Seg, nearest, nearest_pairs};
 use super::proposal::{Join, Limits, Proposal};
 use crate::network::VertexIx;
 use crate::patch::STREET_FLOOR;
@@ -52,14 +52,10 @@ impl Checker {
     /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
     /// within the gaps around it. A proposal must keep the rules inside itself.
     pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
-        self.find_joints(canvas, p, limits) && self.check_apart(canvas, p, near, limits)
-    }
-
-    /// What is left of [`check`](Self::check) after [`find_joints`](Self::find_joints).
-    pub fn check_apart(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
         self.doubts.clear();
         // Ways along the network cost the most, and most proposals fail without.
-        (0..p.edges.len()).all(|i| self.edge_fits(canvas, p, i, near, limits))
+        self.find_joints(canvas, p, limits)
+            && (0..p.edges.len()).all(|i| self.edge_fits(canvas, p, i, near, limits))
             && self.joints_keep_ways(canvas, p, near, limits)
             && self
                 .doubts
@@ -67,8 +63,8 @@ impl Checker {
                 .all(|d| d.distance >= self.needed(d.index, &near.segs[d.obstacle], d.q, d.r, d.loose, limits))
     }
 
-    /// Finds the joints, for which no obstacles are needed; false where one of them breaks a rule.
-    pub fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
+    /// Finds the joints; false where one of them breaks a rule.
+    fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
         self.spare.append(&mut self.joints);
         self.roots.clear();
         self.roots.resize(p.edges.len(), 0);
@@ -332,13 +328,8 @@ impl Checker {
             if !s.is_beside(a, b - a) && segment_crossing(a, b, s.a, s.b).is_some() {
                 return false;
             }
-            let pairs = [
-                (a, nearest(a, s.a, s.b), open_a),
-                (b, nearest(b, s.a, s.b), open_b),
-                (nearest(s.a, a, b), s.a, dead(s.va)),
-                (nearest(s.b, a, b), s.b, dead(s.vb)),
-            ];
-            for (q, r, loose) in pairs {
+            let loose = [open_a, open_b, dead(s.va), dead(s.vb)];
+            for ((q, r), loose) in nearest_pairs((a, b), (s.a, s.b)).into_iter().zip(loose) {
                 if q.distance_squared(r) > far {
                     continue;
                 }

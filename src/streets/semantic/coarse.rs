@@ -8,9 +8,9 @@ use super::joint::joint_angle_fits;
 use super::near::Seg;
 use super::place::Placement;
 use super::proposal::Limits;
-use crate::patch::{ArmSample, LEAST_ARM, PatchView, Reach, SECTORS};
+use crate::patch::{ArmSample, LEAST_ARM, PatchView, SECTORS, SectorReach, in_sectors};
 use crate::space::math;
-use glam::{DVec2, Vec2, Vec4};
+use glam::{DVec2, Vec2};
 use std::f64::consts::TAU;
 
 /// How a patch that is seen from one of its ends lies on the coarse grid: the origin and the axes of the view there.
@@ -33,13 +33,14 @@ impl Overlay {
 
 /// What is met first around a vertex, by sectors as those of a [`PatchView`].
 pub(super) struct Surroundings {
+    /// Direction of the first ray, in which the street leads on; the others follow counter-clockwise.
     direction: DVec2,
     /// Distance at which something is met, by rays.
     far: [f32; RAYS * SECTORS],
     /// Distance up to which there may be room for a patch.
-    room: Reach,
+    room: SectorReach,
     /// The same for patches that are mirrored.
-    mirrored: Reach,
+    mirrored: SectorReach,
 }
 
 /// Greatest distance from a sample of an arm to where the arm meets what is near there, in metres.
@@ -48,17 +49,18 @@ const AHEAD: f64 = 10.0;
 /// Rays in each sector.
 const RAYS: usize = 2;
 
-/// Rays that are followed at once; a divisor of their number.
+/// Rays that are followed at once.
 const TOGETHER: usize = 4;
+const _: () = assert!((RAYS * SECTORS).is_multiple_of(TOGETHER));
 
 impl Surroundings {
-    /// How far it surely is no farther than to what is met straight on.
+    /// The greatest distance at which something may be met straight on.
     pub fn ahead(&self) -> f64 {
         f64::from(self.far[0]) + STEP
     }
 
     /// Whether a patch that reaches so far may have room: not where that is farther than what is met.
-    pub fn may_hold(&self, reach: &Reach, mirrored: bool) -> bool {
+    pub fn may_hold(&self, reach: &SectorReach, mirrored: bool) -> bool {
         let room = if mirrored { &self.mirrored } else { &self.room };
         reach.iter().zip(room).all(|(reach, room)| reach.cmple(*room).all())
     }
@@ -88,18 +90,15 @@ impl Work<'_> {
             *far = self.canvas.free.ahead(rays, reach).map(|far| far as f32);
         }
         let gap = self.limits.gap as f32;
-        let room = std::array::from_fn(|sector| {
+        let room: [f32; SECTORS] = std::array::from_fn(|sector| {
             let middle = RAYS * sector + far.len();
             let rays = middle - RAYS / 2..=middle + RAYS / 2;
             let far = rays.map(|k| far[k % far.len()]).fold(0.0, f32::max);
             // Something is nearer beside it.
             (far - gap).max(far / (1.0 + WEDGE as f32))
         });
-        let vectors = |room: [f32; SECTORS]| {
-            std::array::from_fn(|k| Vec4::from_array(std::array::from_fn(|lane| room[4 * k + lane])))
-        };
-        let mirrored = std::array::from_fn(|sector| room[(SECTORS - sector) % SECTORS]);
-        Surroundings { direction, far, room: vectors(room), mirrored: vectors(mirrored) }
+        let mirrored = in_sectors(|sector| room[(SECTORS - sector) % SECTORS]);
+        Surroundings { direction, far, room: in_sectors(|sector| room[sector]), mirrored }
     }
 
     /// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.

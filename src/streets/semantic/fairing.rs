@@ -103,18 +103,18 @@ impl Work<'_> {
         }
         let line = |(i, w)| Line { from: v, to: w, a: to, b: g.at(w), was: (i, i + 1) };
         let lines: Vec<Line> = g.neighbours(v).enumerate().map(line).collect();
-        let pairs = lines.iter().enumerate().flat_map(|(i, x)| lines[..i].iter().map(move |y| (x, y)));
+        let mut pairs = lines.iter().enumerate().flat_map(|(i, x)| lines[..i].iter().map(move |y| (x, y)));
         let least = self.relaxed.min_piece;
         let is_long = |line: &Line| line.length() >= least.min(at.distance(line.b));
-        let mut fits = lines.iter().all(is_long)
-            && pairs.clone().all(|(x, y)| {
+        let gone = g.edges_at(v).to_vec();
+        let fits = lines.iter().all(is_long)
+            && pairs.all(|(x, y)| {
                 let before = at.distance(x.b) + at.distance(y.b);
                 self.keeps_way(x.length() + y.length(), before, x.b.distance(y.b))
                     && self.keep_apart(x, y)
                     && x.way_from(v).dot(y.way_from(v)) <= self.relaxed.junction_cosine
-            });
-        let gone = g.edges_at(v).to_vec();
-        fits = fits && self.lines_fit(&lines, &gone);
+            })
+            && self.lines_fit(&lines, &gone);
         if fits {
             self.canvas.move_vertex(v, to);
         }

@@ -17,7 +17,7 @@ impl Work<'_> {
         let off = self.rng.signed() * local.angle_deviation_deg.to_radians();
         // A shorter street or one that turns aside, where the first choice does not fit.
         let bend = self.most_turn;
-        let far = length + snap.max(self.limits.gap);
+        let far = length.max(local.min_length) + snap.max(self.limits.gap);
         let beside = far * (bend + off.abs()).min(1.0) + self.limits.reach();
         self.canvas.gather(Bounds::of([at, at + direction * far]), beside, &mut self.near);
         let tries = [(1.0, off), (0.65, off), (1.0, 0.5 * bend), (1.0, -0.5 * bend), (0.65, bend), (0.65, -bend)];

@@ -113,11 +113,13 @@ struct Work<'a> {
     /// Obstacles around one placement.
     around: Near,
     proposal: Proposal,
-    /// Proposals to choose from, the patches that they are of in order, placements between two vertices, and the vertices
-    /// to reach.
+    /// Proposals to choose from.
     ranked: Vec<Ranked>,
+    /// Patches to propose, by a key that grows with the wish for them.
     order: Vec<u64>,
+    /// Placements between two vertices to choose from.
     bridges: Vec<Bridge>,
+    /// Loose ends that may be reached, with their distances.
     targets: Vec<(f64, VertexIx)>,
     built: Vec<VertexIx>,
     /// Point of the proposal that a vertex of a patch became.

@@ -174,3 +174,9 @@ impl Ray {
 pub(super) fn nearest(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     closest_on_segment(p, a, b).1
 }
+
+/// Where two segments may come nearest to each other if they do not cross: each end and the point of the other nearest to it,
+/// as points of the first and of the second.
+pub(super) fn nearest_pairs((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> [(DVec2, DVec2); 4] {
+    [(a, nearest(a, c, d)), (b, nearest(b, c, d)), (nearest(c, a, b), c), (nearest(d, a, b), d)]
+}

@@ -86,13 +86,6 @@ impl Proposal {
     }
 }
 
-impl Limits {
-    /// No street must keep farther away from anything than this.
-    pub fn reach(&self) -> f64 {
-        self.gap.max(self.wall_gap).max(20.0)
-    }
-}
-
 /// What a proposal must keep to. Lengths in metres, angles in radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -110,4 +103,11 @@ pub(super) struct Limits {
     pub max_degree: usize,
     /// Least way around a block.
     pub min_round: f64,
+}
+
+impl Limits {
+    /// No street must keep farther away from anything than this.
+    pub fn reach(&self) -> f64 {
+        self.gap.max(self.wall_gap).max(20.0)
+    }
 }

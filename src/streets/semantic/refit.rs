@@ -3,7 +3,7 @@
 
 use super::Work;
 use super::checker::{DEAD_END_FLOOR, WEDGE};
-use super::near::{Seg, nearest};
+use super::near::{Seg, nearest_pairs};
 use crate::network::{EdgeIx, VertexIx};
 use crate::patch::STREET_FLOOR;
 use crate::seam::STUB_LENGTH;
@@ -47,14 +47,8 @@ impl Line {
         segment_distance(self.a, self.b, other.a, other.b)
     }
 
-    /// Where they may come nearest to each other if they do not cross.
     fn pairs(&self, other: &Self) -> [(DVec2, DVec2); 4] {
-        [
-            (self.a, nearest(self.a, other.a, other.b)),
-            (self.b, nearest(self.b, other.a, other.b)),
-            (nearest(other.a, self.a, self.b), other.a),
-            (nearest(other.b, self.a, self.b), other.b),
-        ]
+        nearest_pairs((self.a, self.b), (other.a, other.b))
     }
 
     /// Its length in metres.
