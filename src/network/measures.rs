@@ -1,6 +1,7 @@
 //! Figures that describe a street network, as urban analysts and the papers measure it.
 
 use crate::network::{JunctionId, Network};
+use crate::space::DisjointSets;
 use crate::space::math::{angle_between, angle_of, ln};
 use glam::DVec2;
 use serde::Serialize;
@@ -37,7 +38,7 @@ pub struct Measures {
 pub fn measure(network: &Network) -> Measures {
     let ends: BTreeMap<JunctionId, usize> = network.junctions.iter().enumerate().map(|(i, j)| (j.id, i)).collect();
     let mut leaving: Vec<Vec<DVec2>> = vec![Vec::new(); network.junctions.len()];
-    let mut parent: Vec<usize> = (0..network.junctions.len()).collect();
+    let mut components = DisjointSets::new();
     let mut touched = vec![false; network.junctions.len()];
     let (mut length, mut straight, mut inflexions) = (0.0, 0.0, 0usize);
     let mut bins = [0usize; 36];
@@ -58,8 +59,7 @@ pub fn measure(network: &Network) -> Measures {
             }
         }
         if let (Some(from), Some(to)) = (from, to) {
-            let (a, b) = (root(&mut parent, from), root(&mut parent, to));
-            parent[a] = b;
+            components.union(from, to);
         }
     }
     let mut out = Measures { street_km: length / 1000.0, ..Default::default() };
@@ -85,16 +85,8 @@ pub fn measure(network: &Network) -> Measures {
         let spread = (entropy - grid) / (most - grid);
         out.orientation_order = 1.0 - spread * spread;
     }
-    out.components = (0..parent.len()).filter(|i| touched[*i] && root(&mut parent, *i) == *i).count();
+    out.components = (0..touched.len()).filter(|i| touched[*i] && components.find(*i) == *i).count();
     out
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
-//! Coordinates, seeds and random streams, deterministic math, boxes and polylines.
+//! Coordinates, seeds and random streams, deterministic math, boxes, polylines and disjoint sets.
 //!
 //! The ground floor: knows no layer. Plan axes are x east, y north, in metres; angles are radians, counter-clockwise
 //! from east.
 
 mod bounds;
 mod coord;
+mod disjoint_sets;
 mod geographic;
 mod geometry;
 pub mod math;
@@ -13,6 +14,7 @@ mod seed;
 
 pub use bounds::Bounds;
 pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize};
+pub use disjoint_sets::DisjointSets;
 pub use geographic::Geographic;
 pub use geometry::{
     SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,
