@@ -6,9 +6,9 @@
 //! printed, since the ratio means little without them.
 
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::region::SizeClass;
+use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::world::{Settings, World, WorldAssets};
+use bevy_sprawl::world::{World, WorldSource};
 use glam::DVec2;
 use std::time::Instant;
 use symbios_ground::HeightMap;
@@ -25,8 +25,7 @@ fn main() {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     let (mut our_km, mut their_km, mut our_lots, mut their_lots) = (0.0, 0.0, 0, 0);
     for round in 0..ROUNDS {
-        let world =
-            World::new(Seed(round as u64), Settings::default(), WorldAssets::bundled()).expect("valid settings");
+        let world = World::new(WorldSource::new(Seed(round as u64))).expect("valid settings");
         let region = Bounds::square(DVec2::ZERO, 100_000.0);
         let cities = world.settlements().centred_in_of(region, SizeClass::City).expect("never cancelled");
         let Some(city) = cities.first() else { continue };

@@ -5,9 +5,10 @@ mod clock;
 use bevy_sprawl::chunk::Ground;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
-use bevy_sprawl::region::{Settlement, SizeClass};
+use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::world::{Settings, World, WorldAssets};
+use bevy_sprawl::world::{World, WorldAssets, WorldSource};
 use bevy_sprawl::{seam, town};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::DVec2;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 const COLD: u64 = 16;
 
 fn world(seed: u64) -> World {
-    World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).expect("the bundled world is valid")
+    World::new(WorldSource::new(Seed(seed))).expect("the bundled world is valid")
 }
 
 /// The settlement of a size nearest to the world's origin, which every seed has within some lattice cells.
@@ -46,7 +47,7 @@ fn cold(_: &mut Criterion) {
     let time = |seed: u64| {
         let at = place(seed);
         let once = || {
-            let world = World::new(Seed(seed), Settings::default(), assets.clone());
+            let world = World::new(WorldSource { assets: assets.clone(), ..WorldSource::new(Seed(seed)) });
             let world = world.expect("the bundled world is valid");
             let size = world.settings().chunk_size;
             let bounds = ChunkCoord::containing(at, size).bounds(size);
@@ -111,7 +112,7 @@ fn layers(c: &mut Criterion) {
             || world.forget_chunks(),
             |()| {
                 (0..seamed.town.cells.len())
-                    .map(|i| world.layers().streets(&seamed, i, &never).expect("never cancelled").streets.len())
+                    .map(|i| world.stack().streets(&seamed, i, &never).expect("never cancelled").streets.len())
                     .sum::<usize>()
             },
             BatchSize::PerIteration,
@@ -122,7 +123,7 @@ fn layers(c: &mut Criterion) {
             || world.forget_chunks(),
             |()| {
                 (0..seamed.town.cells.len())
-                    .map(|i| world.layers().parcels(&seamed, i, &never).expect("never cancelled").lots.len())
+                    .map(|i| world.stack().parcels(&seamed, i, &never).expect("never cancelled").lots.len())
                     .sum::<usize>()
             },
             BatchSize::PerIteration,

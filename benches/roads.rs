@@ -3,8 +3,9 @@
 
 mod clock;
 
+use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::region::{RoadNetwork, RoadSettings, Settlement, SettlementId, SizeClass};
+use bevy_sprawl::region::{RoadNetwork, RoadSettings, Settlement, SettlementId};
 use bevy_sprawl::space::{Origin, Seed, math};
 use bevy_sprawl::terrain::{NoiseTerrain, Raster, RasterTerrain, Terrain, TerrainSettings};
 use criterion::{Criterion, criterion_group, criterion_main};

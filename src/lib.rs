@@ -18,7 +18,9 @@
 //! The plan's axes are x east and y north in metres; angles are radians, counter-clockwise from east. In Bevy a plan point
 //! is `(x, height, -y)`.
 
+pub mod analysis;
 pub mod chunk;
+pub mod edits;
 #[cfg(feature = "cli")]
 pub mod export;
 pub mod layer;
@@ -31,7 +33,9 @@ pub mod plugin;
 pub mod region;
 pub mod seam;
 pub mod space;
+pub mod stack;
 pub mod streets;
+pub mod style;
 pub mod terrain;
 pub mod town;
 pub mod world;
@@ -42,7 +46,7 @@ pub mod prelude {
     pub use crate::plugin::{
         AssetOrigin, AssetRejected, ChunkData, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded,
         EditRejected, OriginShifted, RejectedEdits, ShiftsWithOrigin, Sprawl, SprawlGizmos, SprawlOrigin, SprawlPlugin,
-        SprawlSource, SprawlStats, SprawlSystems, StreamAnchor, StreamSettings, TerrainOrigin, WorldChanged,
+        SprawlSource, SprawlStats, SprawlSystems, StreamAnchor, StreamSettings, TerrainSource, WorldChanged,
     };
     pub use crate::space::{ChunkCoord, Origin, Seed};
 }

@@ -1,10 +1,13 @@
 //! Edits in the world: they reach no further than stated, and what cannot be says why.
 
+use bevy_sprawl::edits::Edits;
+use bevy_sprawl::edits::{Influence, RoadEdit, SettlementEdit, Shape, WayPoint};
 use bevy_sprawl::layer::{Cancel, FileError};
+use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::region::{Influence, RoadEdit, Settlement, SettlementEdit, Shape, SizeClass, WayPoint};
+use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, Stream};
-use bevy_sprawl::world::{Edits, Settings, World, WorldAssets, changed_by_edits};
+use bevy_sprawl::world::{Settings, World, WorldAssets, WorldSource, changed_by_edits};
 use glam::DVec2;
 use std::collections::BTreeSet;
 use std::sync::{Arc, LazyLock};
@@ -12,7 +15,8 @@ use std::sync::{Arc, LazyLock};
 static ASSETS: LazyLock<WorldAssets> = LazyLock::new(WorldAssets::bundled);
 
 fn world(seed: u64, edits: Edits) -> World {
-    World::with_edits(Seed(seed), Settings::default(), ASSETS.clone(), edits).expect("bundled assets suit")
+    World::new(WorldSource { edits, assets: ASSETS.clone(), ..WorldSource::new(Seed(seed)) })
+        .expect("bundled assets suit")
 }
 
 fn draw(seed: u64) -> Stream {

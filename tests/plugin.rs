@@ -197,7 +197,7 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
 
     // The same style with every lot empty.
     let before = world(&app);
-    let mut changed = bevy_sprawl::town::Style::from_ron(&file.to_string_lossy(), &good).expect("the bundled style");
+    let mut changed = bevy_sprawl::style::Style::from_ron(&file.to_string_lossy(), &good).expect("the bundled style");
     changed.parcels.vacant = 1.0;
     let text = ron::ser::to_string(&changed).expect("a style can be written");
     std::fs::write(&file, text).expect("written");
@@ -354,7 +354,7 @@ fn a_ground_of_ones_own_is_the_ground_and_can_be_replaced() {
     app.world_mut().resource_mut::<SprawlSource>().terrain = same;
     settle(&mut app);
     assert_eq!(app.world().resource::<SprawlWorld>().revision(), 1);
-    app.world_mut().resource_mut::<SprawlSource>().terrain = TerrainOrigin::own(raster(high));
+    app.world_mut().resource_mut::<SprawlSource>().terrain = TerrainSource::own(raster(high));
     run_until(&mut app, "there is a new world", |app| app.world().resource::<SprawlWorld>().revision() == 2);
     settle(&mut app);
     let mut query = app.world_mut().query::<&ChunkData>();

@@ -1,41 +1,42 @@
 //! Assembling a chunk from the layers below.
 
-use crate::chunk::{Chunk, Deck, Ground, Layers, PlacedStreet};
+use crate::chunk::{Chunk, Deck, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street};
 use crate::parcel::{Block, Footprint, Lot};
-use crate::space::{ChunkCoord, Origin, line_length, point_at};
+use crate::space::{ChunkCoord, Origin};
+use crate::stack::{Stack, owner_of, street_owner};
 use glam::DVec2;
 
 /// Least height of a deck above water, in metres.
 const DECK_CLEARANCE: f64 = 1.0;
 
 /// What the chunk `coord` of edge `size` metres owns.
-pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
+pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
-    let overlap = layers.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
-    let ground = Ground::new(&**layers.terrain(), origin, size);
+    let overlap = stack.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
+    let ground = Ground::new(&**stack.terrain(), origin, size);
     let mut chunk = Chunk { settlements: overlap.settlements, ..Chunk::empty(coord, size, ground) };
     for found in overlap.junctions {
-        if owner_of(found.origin, found.it.at, size) == coord {
-            chunk.junctions.push(Junction { at: found.it.at + found.origin.offset_to(origin), ..found.it });
+        if owner_of(found.origin, found.item.at, size) == coord {
+            chunk.junctions.push(Junction { at: found.item.at + found.origin.offset_to(origin), ..found.item });
         }
     }
     for found in overlap.streets {
-        if found.it.street.bridge {
+        if found.item.street.bridge {
             let floor = |p| {
-                let (plan, terrain) = (origin.to_plan(p), &**layers.terrain());
+                let (plan, terrain) = (origin.to_plan(p), &**stack.terrain());
                 let (ground, at) = (Ground::height_at(terrain, plan), terrain.sample(plan));
                 if at.depth() > 0.0 { ground.max(at.water_level + DECK_CLEARANCE) } else { ground }
             };
-            let street = found.it.street.moved(found.origin.offset_to(origin));
-            let below = if street.level > 0 { passed_over(layers, &street, origin, cancel)? } else { Vec::new() };
+            let street = found.item.street.moved(found.origin.offset_to(origin));
+            let below = if street.level > 0 { passed_over(stack, &street, origin, cancel)? } else { Vec::new() };
             chunk.decks.push(Deck::new(&street, &below, floor));
         }
-        if street_owner(found.origin, &found.it.street, size) == coord {
-            chunk.streets.push(found.it.moved(found.origin.offset_to(origin)));
-        } else if [found.it.street.from, found.it.street.to].iter().any(|end| own_junction(&chunk, *end)) {
-            chunk.arriving.push(found.it.street.moved(found.origin.offset_to(origin)));
+        if street_owner(found.origin, &found.item.street, size) == coord {
+            chunk.streets.push(found.item.moved(found.origin.offset_to(origin)));
+        } else if [found.item.street.from, found.item.street.to].iter().any(|end| own_junction(&chunk, *end)) {
+            chunk.arriving.push(found.item.street.moved(found.origin.offset_to(origin)));
         }
     }
     for (town, cell) in overlap.cells {
@@ -44,8 +45,8 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
         if owner_of(from, town.town.cells[cell].anchor, size) != coord {
             continue;
         }
-        chunk.unmet_ports += layers.streets(&town, cell, cancel)?.unmet.len();
-        let parcels = layers.parcels(&town, cell, cancel)?;
+        chunk.unmet_ports += stack.streets(&town, cell, cancel)?.unmet.len();
+        let parcels = stack.parcels(&town, cell, cancel)?;
         let offset = from.offset_to(origin);
         chunk.blocks.extend(parcels.blocks.iter().map(|b| b.moved(offset)));
         chunk.lots.extend(parcels.lots.iter().map(|l| l.moved(offset)));
@@ -55,31 +56,14 @@ pub fn assemble(layers: &Layers, coord: ChunkCoord, size: i64, cancel: &Cancel) 
 }
 
 /// Roads below a bridge, whole and local to an origin, wherever the chunk is from which one looks at it.
-fn passed_over(layers: &Layers, bridge: &Street, origin: Origin, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
-    let near = layers.roads().overlapping(bridge.bounds().moved(origin.plan()), cancel)?;
+fn passed_over(stack: &Stack, bridge: &Street, origin: Origin, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
+    let near = stack.roads().overlapping(bridge.bounds().moved(origin.plan()), cancel)?;
     let lower = near.iter().filter(|r| r.street.level < bridge.level && !r.street.tunnel);
     Ok(lower.map(|r| r.street.moved(r.origin.offset_to(origin))).collect())
 }
 
 fn own_junction(chunk: &Chunk, id: JunctionId) -> bool {
     chunk.junctions.binary_search_by_key(&id, |j| j.id).is_ok()
-}
-
-/// The chunk whose square holds the point `at`, local to `origin`.
-pub(crate) fn owner_of(origin: Origin, at: DVec2, size: i64) -> ChunkCoord {
-    ChunkCoord::containing(origin.to_plan(at), size)
-}
-
-/// The chunk whose square holds the midpoint of a street that is local to `origin`.
-pub(crate) fn street_owner(origin: Origin, street: &Street, size: i64) -> ChunkCoord {
-    owner_of(origin, point_at(&street.line, line_length(&street.line) / 2.0).0, size)
-}
-
-impl PlacedStreet {
-    /// The same street with every point moved by `offset`.
-    pub fn moved(&self, offset: DVec2) -> Self {
-        Self { street: self.street.moved(offset), made_by: self.made_by }
-    }
 }
 
 fn moved(polygon: &[DVec2], offset: DVec2) -> Vec<DVec2> {

@@ -1,42 +1,21 @@
-//! Layer 8: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; padding 0 for
-//! roads and terrain, the largest settlement radius for towns. A town's seams along borders read the plans of the towns that
-//! it touches, and its parcels the streets that these bring to the gates there. Main cells near a border
-//! mix the styles of both towns.
-//!
-//! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
-//! midpoint does, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut. A street
-//! along a border is part of two towns, and given out once, in the border's own frame.
+//! Layer 10: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; the padding is 0
+//! for roads and terrain, and the largest settlement radius for towns.
 
 mod assemble;
-mod counts;
 mod deck;
 mod ground;
-mod kits;
-mod layers;
 
 pub use assemble::assemble;
-pub(crate) use assemble::{owner_of, street_owner};
 pub use deck::{Deck, ROAD_LIFT, junction_reach};
 pub use ground::{GROUND_STEP, Ground};
-pub use kits::{BORDER_BLEND, CellStyle, StyleKit};
-pub use layers::{Layers, SeamedTown};
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, Origin};
-use crate::streets::MadeBy;
+use crate::stack::PlacedStreet;
 use glam::DVec2;
 use std::sync::Arc;
-
-/// A street with what made it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlacedStreet {
-    /// The street.
-    pub street: Street,
-    /// What made it; `None` for roads and main streets.
-    pub made_by: Option<MadeBy>,
-}
 
 /// What a chunk owns. Positions are local to `origin`.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! GeoJSON in plan metres: streets, roads, junctions, blocks, lots, buildings and settlements.
 
 use crate::export::{ExportError, Plan, hex};
+use crate::network::SizeClass;
 use crate::network::{JunctionId, StreetClass};
 use crate::parcel::BlockUse;
-use crate::region::SizeClass;
 use crate::space::ChunkCoord;
 use glam::DVec2;
 use serde_json::{Map, Value, json};

@@ -13,11 +13,11 @@ mod relief;
 mod sample;
 pub mod svg;
 
-use crate::chunk::{PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::region::{Outline, Road, RoadNetwork};
 use crate::space::{Bounds, quantize};
+use crate::stack::{PlacedStreet, owner_of, street_owner};
 use crate::terrain::Terrain;
 use crate::world::{Area, Owned, World};
 use glam::DVec2;

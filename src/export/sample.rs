@@ -1,11 +1,12 @@
 //! A small made-up town on made-up ground, for the tests of the exporters.
 
-use crate::chunk::PlacedStreet;
 use crate::export::Plan;
+use crate::network::SizeClass;
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{Block, BlockUse, Footprint, Lot};
-use crate::region::{Outline, Settlement, SettlementId, SizeClass};
+use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};
+use crate::stack::PlacedStreet;
 use crate::streets::MadeBy;
 use crate::terrain::{Terrain, TerrainSample};
 use crate::world::{Area, Owned};

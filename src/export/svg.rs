@@ -2,12 +2,12 @@
 
 mod furniture;
 
-use crate::chunk::PlacedStreet;
 use crate::export::relief::Relief;
 use crate::export::{ExportError, Plan, narrowest_first};
 use crate::network::{Street, StreetClass};
 use crate::parcel::BlockUse;
 use crate::space::Bounds;
+use crate::stack::PlacedStreet;
 use crate::streets::MadeBy;
 use furniture::nice;
 use glam::DVec2;

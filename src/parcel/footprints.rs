@@ -3,7 +3,7 @@
 use crate::parcel::convex::{Half, chord, clip, sides, without_quadrant};
 use crate::parcel::lots::LotShape;
 use crate::space::{Bounds, Stream, quantize, signed_area};
-use crate::town::ParcelRules;
+use crate::style::ParcelRules;
 use glam::DVec2;
 
 /// Least area of a building, in square metres.

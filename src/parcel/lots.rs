@@ -7,7 +7,7 @@
 use crate::parcel::blocks::BlockShape;
 use crate::parcel::convex::{Half, clip, overlap, segment_inside, sides};
 use crate::space::{Bounds, Stream, closest_on_line, cross, left_normal, point_at, signed_area};
-use crate::town::ParcelRules;
+use crate::style::ParcelRules;
 use glam::DVec2;
 
 /// Cosine of the turn at which the border's next run begins (30 degrees).

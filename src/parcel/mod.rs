@@ -13,7 +13,8 @@ pub use divide::divide;
 
 use crate::network::{Street, StreetId};
 use crate::space::Seed;
-use crate::town::{CellId, ParcelRules};
+use crate::style::ParcelRules;
+use crate::town::CellId;
 use glam::DVec2;
 
 /// All that is told about a main cell to divide it. Positions are local to the town.

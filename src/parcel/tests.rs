@@ -7,7 +7,8 @@ use crate::space::{
     Seed, Stream, cross, left_normal, point_in_polygon, quantize, segment_crossing, segment_distance, segments,
     signed_area,
 };
-use crate::town::{CellId, ParcelRules};
+use crate::style::ParcelRules;
+use crate::town::CellId;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;

@@ -3,7 +3,7 @@
 use crate::patch::{Patch, PatchDatabase, PatchSet, tag};
 use crate::space::math::angle_between;
 use crate::space::{distance_to_line, resample, segment_distance, segments};
-use crate::town::Style;
+use crate::style::Style;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -32,6 +32,7 @@ mod schedule;
 mod source;
 mod streaming;
 
+pub use crate::world::TerrainSource;
 pub use anchor::{AnchorMotion, StreamAnchor};
 pub use appearance::{ChunkPart, SprawlMaterials};
 pub use assets::{AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader};
@@ -45,13 +46,13 @@ pub use origin::{OriginSettings, OriginShifted, ShiftsWithOrigin, SprawlOrigin};
 pub use param::{SpawnPoint, Sprawl};
 pub use rejected::{EditRejected, RejectedEdits};
 pub use schedule::SprawlSystems;
-pub use source::{SprawlSource, SprawlWorld, TerrainOrigin, WorldChanged, WorldRejected};
+pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
 pub use streaming::StreamSettings;
 
-use crate::region::Edits;
+use crate::edits::Edits;
 use crate::space::Seed;
 use crate::terrain::Terrain;
-use crate::world::{Settings, WorldAssets};
+use crate::world::{Settings, WorldAssets, WorldSource};
 use bevy::prelude::*;
 use glam::DVec2;
 
@@ -86,7 +87,7 @@ pub struct SprawlPlugin {
     /// [`AssetOrigin::Folder`] are; one with a mistake is refused ([`AssetRejected`]), and the last good one stays.
     pub edits_file: Option<String>,
     /// The ground.
-    pub terrain: TerrainOrigin,
+    pub terrain: TerrainSource,
     /// Plan point (x east, y north, metres) that Bevy's origin starts near; it is rounded to a chunk's corner.
     pub start: DVec2,
 }
@@ -140,11 +141,11 @@ impl SprawlPlugin {
     /// # assert_eq!(made.terrain().height(glam::DVec2::ZERO), 20.0);
     /// // While the game runs:
     /// fn flood(mut source: bevy::prelude::ResMut<SprawlSource>) {
-    ///     source.terrain = TerrainOrigin::own(Dunes);
+    ///     source.terrain = TerrainSource::own(Dunes);
     /// }
     /// ```
     pub fn terrain(self, terrain: impl Terrain) -> Self {
-        Self { terrain: TerrainOrigin::own(terrain), ..self }
+        Self { terrain: TerrainSource::own(terrain), ..self }
     }
 
     /// The same with Bevy's origin near a plan point.
@@ -161,7 +162,7 @@ impl Plugin for SprawlPlugin {
             AssetOrigin::Folder(folder) => (WorldAssets::bundled(), Some(folder.clone())),
         };
         let (settings, edits, terrain) = (self.settings.clone(), self.edits.clone(), self.terrain.clone());
-        app.insert_resource(SprawlSource { seed: self.seed, settings, assets, edits, terrain })
+        app.insert_resource(SprawlSource(WorldSource { seed: self.seed, settings, assets, edits, terrain }))
             .insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size))
             .insert_resource(self.streaming.clone())
             .add_plugins((

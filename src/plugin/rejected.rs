@@ -3,8 +3,8 @@
 use super::assets::SprawlEdits;
 use super::schedule::SprawlSystems;
 use super::source::SprawlWorld;
+use crate::edits::RejectedEdit;
 use crate::layer::{Cancel, FileError, LayerError};
-use crate::region::RejectedEdit;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 

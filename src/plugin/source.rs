@@ -2,76 +2,27 @@
 
 use super::schedule::SprawlSystems;
 use super::streaming::{Dirty, Streaming};
+use crate::edits::Edits;
 use crate::layer::{Cancel, LayerError};
-use crate::region::{Edits, Settlement};
+use crate::region::Settlement;
 use crate::space::{Bounds, ChunkCoord, Seed};
-use crate::terrain::Terrain;
-use crate::world::{Settings, World, WorldAssets, WorldError};
+use crate::world::{Settings, TerrainSource, World, WorldError, WorldSource};
 use bevy::prelude::{
-    App, Commands, DetectChanges, Event, IntoScheduleConfigs, Message, MessageWriter, Plugin, PostUpdate, Res, ResMut,
-    Resource, error,
+    App, Commands, Deref, DerefMut, DetectChanges, Event, IntoScheduleConfigs, Message, MessageWriter, Plugin,
+    PostUpdate, Res, ResMut, Resource, error,
 };
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What the world is made from. Change it at any time: the next world is made in the background, and chunks that differ
-/// are replaced one by one.
-#[derive(Resource, Clone, Debug)]
-pub struct SprawlSource {
-    /// The seed.
-    pub seed: Seed,
-    /// Settings of the generator. Another chunk size unloads every chunk at once.
-    pub settings: Settings,
-    /// Styles and patch sets.
-    pub assets: WorldAssets,
-    /// Wishes for settlements and roads. The world goes on without those that it cannot fulfil:
-    /// [`EditRejected`](super::EditRejected).
-    pub edits: Edits,
-    /// The ground.
-    pub terrain: TerrainOrigin,
-}
+/// are replaced one by one. Another chunk size unloads every chunk at once.
+#[derive(Resource, Clone, Debug, Deref, DerefMut)]
+pub struct SprawlSource(pub WorldSource);
 
 impl SprawlSource {
     fn make(&self) -> Result<World, WorldError> {
-        let (settings, assets, edits) = (self.settings.clone(), self.assets.clone(), self.edits.clone());
-        match &self.terrain {
-            TerrainOrigin::Noise => World::with_edits(self.seed, settings, assets, edits),
-            TerrainOrigin::Own(own) => World::on_terrain_with_edits(self.seed, settings, assets, own.clone(), edits),
-        }
-    }
-}
-
-/// The ground of a world. Two of your own are the same if they share the `Arc`.
-#[derive(Clone, Default)]
-pub enum TerrainOrigin {
-    /// That of the seed and the settings.
-    #[default]
-    Noise,
-    /// Your own.
-    Own(Arc<dyn Terrain>),
-}
-
-impl TerrainOrigin {
-    /// A ground of your own.
-    pub fn own(terrain: impl Terrain) -> Self {
-        Self::Own(Arc::new(terrain))
-    }
-}
-
-impl PartialEq for TerrainOrigin {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Noise, Self::Noise) => true,
-            (Self::Own(a), Self::Own(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
-    }
-}
-
-impl std::fmt::Debug for TerrainOrigin {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if matches!(self, Self::Noise) { "Noise" } else { "Own" })
+        World::new(self.0.clone())
     }
 }
 
@@ -79,7 +30,7 @@ impl std::fmt::Debug for TerrainOrigin {
 #[derive(Resource, Default)]
 pub struct SprawlWorld {
     world: Option<World>,
-    terrain: TerrainOrigin,
+    terrain: TerrainSource,
     revision: u32,
 }
 
@@ -159,7 +110,7 @@ pub(super) struct Making {
 /// The next world, what it stands on, and what of the last one it replaces.
 struct Made {
     world: World,
-    terrain: TerrainOrigin,
+    terrain: TerrainSource,
     dirty: Dirty,
 }
 
@@ -306,7 +257,7 @@ fn same(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::town::Style;
+    use crate::style::Style;
 
     #[test]
     fn what_differs_is_found_by_value() {

@@ -8,8 +8,9 @@
 use super::outline::power_line;
 use super::profile::Profile;
 use crate::layer::Weigh;
+use crate::network::SizeClass;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
-use crate::region::{Settlement, SettlementId, SizeClass};
+use crate::region::{Settlement, SettlementId};
 use crate::space::{Origin, Seed, left_normal, math, quantize};
 use crate::terrain::Terrain;
 use glam::DVec2;

@@ -3,10 +3,9 @@
 //! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
 //! the outlines of settlements, in gates, so outlines are made here. Settlements that stand close enough touch: they share a
 //! border, from which both outlines take their vertices. A border reads the settlements near its two, so an outline reads
-//! those near its neighbours. What the user wants of both is in `edits`, which read nothing and are read by both.
+//! those near its neighbours. Both follow the user's edits.
 
 mod border;
-pub mod edits;
 pub mod outline;
 mod profile;
 mod river;
@@ -15,12 +14,10 @@ pub mod settlement;
 mod waterway;
 
 pub use border::Border;
-pub use edits::{EditList, Edits, Influence, RejectedEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 pub use outline::{Outline, SharedBorder};
 pub(crate) use road::{CLEARANCE, rise};
 pub use road::{Crossing, Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
     PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements,
-    SizeClass,
 };
 pub use waterway::Waterway;

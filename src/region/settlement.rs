@@ -11,13 +11,13 @@ mod settings;
 pub(super) mod site;
 mod table;
 
-pub(super) use settings::RADII;
 pub use settings::{PerSize, SettlementSettings};
 pub use table::{Populations, SettlementRow, SettlementTable};
 
+use crate::edits::{RejectedEdit, SettlementEdit};
 use crate::layer::{LayerCache, LayerError, Reach, Weigh};
+use crate::network::SizeClass;
 use crate::region::border::Found;
-use crate::region::edits::{RejectedEdit, SettlementEdit};
 use crate::region::outline::{BORDER, power_line};
 use crate::region::profile::Profile;
 use crate::region::{Border, Outline};
@@ -39,41 +39,6 @@ const NEIGHBOUR: f64 = 3.0 * BORDER;
 /// Stable name of a settlement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct SettlementId(pub u64);
-
-/// Size class sigma.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
-pub enum SizeClass {
-    /// sigma 0
-    Village,
-    /// sigma 1
-    Town,
-    /// sigma 2
-    City,
-}
-
-impl SizeClass {
-    /// Every class, highest tier first.
-    pub const ALL: [Self; 3] = [Self::City, Self::Town, Self::Village];
-
-    /// Lower-case name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::City => "city",
-            Self::Town => "town",
-            Self::Village => "village",
-        }
-    }
-
-    /// The higher tiers, highest first.
-    fn higher(self) -> &'static [Self] {
-        match self {
-            Self::City => &[],
-            Self::Town => &Self::ALL[..1],
-            Self::Village => &Self::ALL[..2],
-        }
-    }
-}
 
 /// A settlement: where it is, how large, in which style.
 #[derive(Clone, Debug, PartialEq)]

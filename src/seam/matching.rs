@@ -5,7 +5,8 @@ use super::survey::{self, Mark};
 use crate::network::{JunctionId, StreetClass, StreetId};
 use crate::seam::{Port, Seam};
 use crate::space::{QUANTUM, Seed, line_length};
-use crate::town::{CellUse, MainCell, Style, Town};
+use crate::style::Style;
+use crate::town::{CellUse, MainCell, Town};
 use glam::DVec2;
 
 /// Step of the search for a place where a proposal has room, in metres.
@@ -13,7 +14,7 @@ const SEARCH_STEP: f64 = 4.0;
 /// Least distance of a port from the ends of its street, in metres.
 const LEAST_END: f64 = 30.0;
 
-/// Least share of crossings (as [`crate::town::SeamRules::crossing`]) along borders: towns that touch have streets in common.
+/// Least share of crossings (as [`crate::style::SeamRules::crossing`]) along borders: towns that touch have streets in common.
 const BORDER_CROSSING: f64 = 0.4;
 
 /// A place with what attaches to it.

@@ -5,7 +5,8 @@ use super::survey::Mark;
 use crate::seam::{STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, left_normal, quantize, segment_distance, segments};
-use crate::town::{CellSide, CellUse, MainCell, MainStreet, Style, Town};
+use crate::style::Style;
+use crate::town::{CellSide, CellUse, MainCell, MainStreet, Town};
 use glam::DVec2;
 
 /// Distance of a stub from the cell's other sides. With it, stubs that start on different sides keep

@@ -4,7 +4,8 @@
 use super::stub::Hand;
 use crate::network::StreetId;
 use crate::space::{Seed, point_at, segment_crossing};
-use crate::town::{CellSide, FieldKind, MainCell, SeamRules, Style, Town};
+use crate::style::{FieldKind, SeamRules, Style};
+use crate::town::{CellSide, MainCell, Town};
 
 /// Step in which a line follows a field whose headings change, in metres.
 const STEP: f64 = 25.0;

@@ -3,10 +3,11 @@
 
 use super::stub::Hand;
 use super::*;
-use crate::network::measure;
+use crate::analysis::measure;
 use crate::space::{line_length, point_in_polygon, polygon_distance, segment_crossing, segment_distance, segments};
+use crate::style::FieldKind;
 use crate::town::sample::{Case, case, case_of};
-use crate::town::{CellUse, FieldKind, Town};
+use crate::town::{CellUse, Town};
 use std::collections::BTreeSet;
 
 /// Distance of `a`-`b` from the sides of a cell that do not run along `main`, or that are the other side of it.

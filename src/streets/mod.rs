@@ -10,7 +10,8 @@ use crate::network::{Junction, JunctionId, Street};
 use crate::patch::PatchDatabase;
 use crate::seam::CellPort;
 use crate::space::Seed;
-use crate::town::{CellId, DirectionField, Style};
+use crate::style::Style;
+use crate::town::{CellId, DirectionField};
 use glam::DVec2;
 
 /// All that a [`CellFiller`] is told about a main cell. Positions are local to the town.

@@ -4,9 +4,8 @@
 //! the feature `cli` PNG pictures. A game brings ground of its own by the trait [`Terrain`]:
 //!
 //! ```
-//! use bevy_sprawl::{space::Seed, terrain::{Terrain, TerrainSample}, world::{Settings, World, WorldAssets}};
+//! use bevy_sprawl::{space::Seed, terrain::{Terrain, TerrainSample}, world::{TerrainSource, World, WorldSource}};
 //! use glam::DVec2;
-//! use std::sync::Arc;
 //!
 //! /// A plain with a sea in the south and a smooth rise to 60 m in the north.
 //! struct Coast;
@@ -19,7 +18,7 @@
 //!     }
 //! }
 //!
-//! let world = World::on_terrain(Seed(7), Settings::default(), WorldAssets::bundled(), Arc::new(Coast))?;
+//! let world = World::new(WorldSource { terrain: TerrainSource::own(Coast), ..WorldSource::new(Seed(7)) })?;
 //! assert!(world.height_at(DVec2::new(0.0, 20_000.0)) > world.height_at(DVec2::ZERO));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -2,8 +2,8 @@
 
 use crate::space::math::{angle_of, cos, direction, sin, smoothstep};
 use crate::space::{Bounds, Origin, Stream};
+use crate::style::FieldKind;
 use crate::terrain::Terrain;
-use crate::town::FieldKind;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -3,15 +3,12 @@
 //! settlements that it touches come from the outline, so the plans of both hold the same.
 
 mod field;
-mod mix;
 mod plan;
 #[cfg(test)]
 pub(crate) mod sample;
-mod style;
 
 pub use field::DirectionField;
 pub use plan::plan;
-pub use style::{FieldKind, Filler, FringeRules, LocalRules, MainRules, ParcelRules, PatchCount, SeamRules, Style};
 
 use crate::network::{Junction, Street};
 use crate::region::{Border, Gate, Outline, Settlement};

@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::layer::Cancel;
+use crate::network::SizeClass;
 use crate::network::{JunctionId, StreetClass};
-use crate::region::{SettlementId, SizeClass};
+use crate::region::SettlementId;
 use crate::space::math::{angle_of, direction, rotate, sin};
 use crate::space::{Seed, Stream, quantize};
+use crate::style::{FieldKind, Style};
 use crate::terrain::{Terrain, TerrainSample};
 use std::f64::consts::TAU;
 

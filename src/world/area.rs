@@ -1,11 +1,11 @@
 //! Everything in a box, whoever owns it.
 
-use crate::chunk::{Layers, PlacedStreet, owner_of, street_owner};
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{Junction, Network};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::region::{Outline, Settlement};
 use crate::space::{Bounds, ChunkCoord, Origin};
+use crate::stack::{PlacedStreet, Stack, owner_of, street_owner};
 use std::sync::Arc;
 
 /// A thing and the chunk that owns it.
@@ -59,25 +59,25 @@ impl Area {
         }
     }
 
-    pub(super) fn gather(layers: &Layers, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
-        let overlap = layers.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
-        let outlines = overlap.settlements.iter().map(|s| layers.settlements().outline(s)).collect::<Result<_, _>>()?;
+    pub(super) fn gather(stack: &Stack, bounds: Bounds, size: i64, cancel: &Cancel) -> Result<Self, LayerError> {
+        let overlap = stack.overlapping(bounds, &Reach::new("area", bounds, 0.0), cancel)?;
+        let outlines = overlap.settlements.iter().map(|s| stack.settlements().outline(s)).collect::<Result<_, _>>()?;
         let mut area = Self { settlements: overlap.settlements, outlines, ..Self::empty(bounds) };
         let origin = area.origin;
         for found in overlap.streets {
-            let chunk = street_owner(found.origin, &found.it.street, size);
-            area.streets.push(Owned { chunk, it: found.it.moved(found.origin.offset_to(origin)) });
+            let chunk = street_owner(found.origin, &found.item.street, size);
+            area.streets.push(Owned { chunk, it: found.item.moved(found.origin.offset_to(origin)) });
         }
         for found in overlap.junctions {
-            let at = found.it.at + found.origin.offset_to(origin);
-            area.junctions.push(Owned { chunk: owner_of(origin, at, size), it: Junction { at, ..found.it } });
+            let at = found.item.at + found.origin.offset_to(origin);
+            area.junctions.push(Owned { chunk: owner_of(origin, at, size), it: Junction { at, ..found.item } });
         }
         for (town, cell) in overlap.cells {
             cancel.check()?;
             let (from, offset) = (town.town.origin, town.town.origin.offset_to(origin));
             let chunk = owner_of(from, town.town.cells[cell].anchor, size);
-            area.unmet_ports += layers.streets(&town, cell, cancel)?.unmet.len();
-            let parcels = layers.parcels(&town, cell, cancel)?;
+            area.unmet_ports += stack.streets(&town, cell, cancel)?.unmet.len();
+            let parcels = stack.parcels(&town, cell, cancel)?;
             area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, it: b.moved(offset) }));
             area.lots.extend(parcels.lots.iter().map(|l| Owned { chunk, it: l.moved(offset) }));
             area.footprints.extend(parcels.footprints.iter().map(|f| Owned { chunk, it: f.moved(offset) }));

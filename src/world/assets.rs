@@ -1,10 +1,10 @@
 //! Styles and patch sets by name.
 
-use crate::chunk::StyleKit;
+use crate::edits::RejectedEdit;
 use crate::layer::{FileError, RangeError};
 use crate::patch::PatchSet;
-use crate::region::RejectedEdit;
-use crate::town::Style;
+use crate::stack::StyleKit;
+use crate::style::Style;
 use crate::world::Settings;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,9 +1,12 @@
 //! What differs between two worlds that have all but their edits in common.
 
-use super::{Edits, PatchEdit, RoadEdit, Settings, SettlementEdit, Shape, World};
+use super::{Settings, World};
+use crate::edits::{Edits, PatchEdit, RoadEdit, SettlementEdit, Shape};
+use crate::edits::{Influence, WayPoint};
 use crate::layer::{Cancel, LayerError};
+use crate::network::SizeClass;
 use crate::network::StreetClass;
-use crate::region::{Influence, Settlement, SettlementId, SizeClass, WayPoint};
+use crate::region::{Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};

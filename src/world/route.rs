@@ -1,9 +1,9 @@
 //! Ways along the streets.
 
-use crate::chunk::Layers;
 use crate::layer::{Cancel, LayerError, Reach};
 use crate::network::{JunctionId, StreetId};
 use crate::space::{Bounds, Origin, closest_on_line, cut_line, line_length, point_at};
+use crate::stack::Stack;
 use glam::DVec2;
 use pathfinding::directed::astar::astar;
 use std::collections::BTreeMap;
@@ -29,16 +29,16 @@ impl Route {
     /// The shortest way along streets between two plan points. Only streets within `margin` metres of the box around both
     /// points are looked at. `None` when no street is near enough or none leads there.
     pub(super) fn find(
-        layers: &Layers,
+        stack: &Stack,
         from: DVec2,
         to: DVec2,
         margin: f64,
         cancel: &Cancel,
     ) -> Result<Option<Self>, LayerError> {
         let bounds = Bounds::of([from, to]).grown(margin);
-        let overlap = layers.overlapping(bounds, &Reach::new("route", bounds, 0.0), cancel)?;
+        let overlap = stack.overlapping(bounds, &Reach::new("route", bounds, 0.0), cancel)?;
         let origin = Origin::at(from);
-        let streets: Vec<_> = overlap.streets.iter().map(|f| f.it.street.moved(f.origin.offset_to(origin))).collect();
+        let streets: Vec<_> = overlap.streets.iter().map(|f| f.item.street.moved(f.origin.offset_to(origin))).collect();
         let nearest = |p: DVec2| {
             let of = streets.iter().enumerate().map(|(i, s)| {
                 let (along, at) = closest_on_line(p, &s.line);

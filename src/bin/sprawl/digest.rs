@@ -3,11 +3,12 @@
 use crate::args::{Common, DigestArgs, Order};
 use crate::fail::Fail;
 use crate::work;
-use bevy_sprawl::chunk::{Chunk, PlacedStreet};
+use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::mesh::{self, Detail, MeshBuffers};
 use bevy_sprawl::parcel::BlockUse;
 use bevy_sprawl::space::{ChunkCoord, Seed};
+use bevy_sprawl::stack::PlacedStreet;
 use bevy_sprawl::streets::MadeBy;
 use bevy_sprawl::world::World;
 use glam::DVec2;

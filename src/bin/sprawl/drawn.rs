@@ -1,10 +1,12 @@
 //! Edits drawn from a seed, for worlds that are checked with them.
 
+use bevy_sprawl::edits::{Edits, Influence, RoadEdit, SettlementEdit, Shape, WayPoint};
 use bevy_sprawl::layer::{Cancel, LayerError};
+use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
-use bevy_sprawl::region::{Link, Settlement, SizeClass};
+use bevy_sprawl::region::{Link, Settlement};
 use bevy_sprawl::space::{Bounds, Stream};
-use bevy_sprawl::world::{Edits, Influence, RoadEdit, SettlementEdit, Shape, WayPoint, World};
+use bevy_sprawl::world::World;
 use glam::DVec2;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@
 use crate::args::{Common, SeamsArgs};
 use crate::fail::Fail;
 use crate::work;
+use bevy_sprawl::analysis::ChunkBorderCounts;
 use bevy_sprawl::layer::{Cancel, LayerError};
-use bevy_sprawl::network::LatticeCounts;
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, point_at};
 use bevy_sprawl::world::World;
@@ -59,8 +59,8 @@ pub fn run(common: &Common, args: &SeamsArgs) -> Result<(), Fail> {
     )))
 }
 
-fn empty(world: &World) -> LatticeCounts {
-    LatticeCounts::new(world.settings().chunk_size as f64, RIM)
+fn empty(world: &World) -> ChunkBorderCounts {
+    ChunkBorderCounts::new(world.settings().chunk_size as f64, RIM)
 }
 
 /// Settlements around the origin, ring by ring, until their outlines have an area.
@@ -84,7 +84,7 @@ fn towns(world: &World, wanted: f64) -> Result<Vec<Arc<Settlement>>, LayerError>
 }
 
 /// Counts the streets of a settlement.
-fn counts(world: &World, town: &Arc<Settlement>) -> Result<LatticeCounts, LayerError> {
+fn counts(world: &World, town: &Arc<Settlement>) -> Result<ChunkBorderCounts, LayerError> {
     let mut out = empty(world);
     let outline = world.settlements().outline(town)?;
     let bounds = outline.bounds();

@@ -6,11 +6,14 @@ use crate::drawn;
 use crate::fail::Fail;
 use crate::towns;
 use crate::work;
+use bevy_sprawl::analysis::{audit, unreached_gates};
+use bevy_sprawl::edits::SettlementEdit;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::network::JunctionId;
-use bevy_sprawl::region::{Settlement, SizeClass};
+use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, Seed};
-use bevy_sprawl::world::{Area, SettlementEdit, World, audit, unreached_gates};
+use bevy_sprawl::world::{Area, World, WorldSource};
 use glam::DVec2;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -42,7 +45,8 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let cities = work::each(common, "checking cities", &seeds, |seed| {
-        let with = |edits| World::with_edits(Seed(*seed), settings.clone(), assets.clone(), edits);
+        let plain = WorldSource { settings: settings.clone(), assets: assets.clone(), ..WorldSource::new(Seed(*seed)) };
+        let with = |edits| World::new(WorldSource { edits, ..plain.clone() });
         // The settings and assets are those of a world that was made already.
         let Ok(world) = with(world.edits().clone()) else { return Ok(City::default()) };
         let Some(city) = nearest(&world)? else { return Ok(City::default()) };
@@ -100,7 +104,7 @@ struct Wish {
 fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, LayerError> {
     let mut stream = Seed(seed).stream("towns to check", &[]);
     // Settings and assets are those of a world that was made already.
-    let with = |edits| World::with_edits(Seed(seed), plain.settings().clone(), plain.assets().clone(), edits).ok();
+    let with = |edits| World::new(WorldSource { seed: Seed(seed), edits, ..plain.source().clone() }).ok();
     let Some(ground) = with(plain.edits().clone()) else { return Ok(None) };
     let cell = |i: usize| DVec2::new((i % CROWD) as f64, (i / CROWD) as f64) * APART;
     let dry =

@@ -3,10 +3,11 @@
 use crate::args::{Common, StatsArgs};
 use crate::fail::Fail;
 use crate::work;
+use bevy_sprawl::analysis::measure;
 use bevy_sprawl::chunk::Ground;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::mesh::{self, Detail};
-use bevy_sprawl::network::{JunctionId, Network, Street, crossings, measure};
+use bevy_sprawl::network::{JunctionId, Network, Street, crossings};
 use bevy_sprawl::parcel::BlockUse;
 use bevy_sprawl::space::{Bounds, centroid, line_length, point_at, segments, signed_area};
 use bevy_sprawl::world::{Area, World};
@@ -207,13 +208,13 @@ fn timing(world: &World, bounds: Bounds) -> Result<Value, LayerError> {
         .collect();
     let start = Instant::now();
     for (town, cell) in &cells {
-        world.layers().streets(&towns[*town], *cell, &cancel)?;
+        world.stack().streets(&towns[*town], *cell, &cancel)?;
     }
     timed("streets", start);
 
     let start = Instant::now();
     for (town, cell) in &cells {
-        world.layers().parcels(&towns[*town], *cell, &cancel)?;
+        world.stack().parcels(&towns[*town], *cell, &cancel)?;
     }
     timed("parcel", start);
 
@@ -268,9 +269,9 @@ fn lines(report: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_sprawl::chunk::PlacedStreet;
     use bevy_sprawl::network::{Junction, StreetClass, StreetId};
     use bevy_sprawl::space::{ChunkCoord, Origin};
+    use bevy_sprawl::stack::PlacedStreet;
     use bevy_sprawl::world::Owned;
 
     fn area(lines: &[[(f64, f64); 2]]) -> Area {

@@ -8,13 +8,16 @@ use crate::map::Output;
 use crate::work;
 pub use bands::Kind;
 use bands::{FIGURES, Figure};
+use bevy_sprawl::analysis::{Survey, survey};
+use bevy_sprawl::edits::SettlementEdit;
 use bevy_sprawl::layer::{Cancel, LayerError};
-use bevy_sprawl::network::{Network, StreetClass, Survey, survey};
-use bevy_sprawl::region::{Settlement, SizeClass};
+use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::network::{Network, StreetClass};
+use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, Seed, point_at, point_in_polygon, polygon_distance};
 use bevy_sprawl::streets::MadeBy;
 use bevy_sprawl::terrain::Terrain;
-use bevy_sprawl::world::{Area, SettlementEdit, World};
+use bevy_sprawl::world::{Area, World, WorldSource};
 use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -101,7 +104,7 @@ fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(W
     // The ground of the seed, and no other towns yet: settings and assets are those of a world that was made already.
     let with = |edits| {
         let (settings, assets) = (plain.settings().clone(), plain.assets().clone());
-        World::with_edits(Seed(seed), settings, assets, edits).ok()
+        World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(seed)) }).ok()
     };
     let Some(ground) = with(plain.edits().clone()) else { return Ok(None) };
     for k in 0..TRIES {

@@ -6,7 +6,7 @@ use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::region::{Road, Settlement};
 use bevy_sprawl::space::{Bounds, Seed, line_length};
-use bevy_sprawl::world::World;
+use bevy_sprawl::world::{World, WorldSource};
 use glam::DVec2;
 use serde_json::json;
 use std::fmt::Write;
@@ -52,7 +52,14 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let windows = work::each(common, "comparing windows", &seeds, |seed| {
         // The settings and assets are those of a world that was made already.
-        let fresh = || World::new(Seed(*seed), settings.clone(), assets.clone()).ok();
+        let fresh = || {
+            World::new(WorldSource {
+                settings: settings.clone(),
+                assets: assets.clone(),
+                ..WorldSource::new(Seed(*seed))
+            })
+            .ok()
+        };
         Ok(match (fresh(), fresh()) {
             (Some(alone), Some(after)) => Some(compare(*seed, &alone, &after)?),
             _ => None,

@@ -2,9 +2,10 @@
 
 use crate::args::{At, Common};
 use crate::fail::Fail;
+use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::{Cancel, FileError, LayerError};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::world::{Area, Edits, Settings, World, WorldAssets};
+use bevy_sprawl::world::{Area, Settings, World, WorldAssets, WorldSource};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -42,10 +43,11 @@ pub fn world(common: &Common) -> Result<World, Fail> {
         Some((file, text)) => Edits::from_ron(file, text)?,
         None => Edits::default(),
     };
-    let world = World::with_edits(Seed(common.seed), settings, assets, wishes).map_err(|e| match named {
-        Some(path) => Fail::file(path, e),
-        None => e.into(),
-    })?;
+    let world = World::new(WorldSource { settings, assets, edits: wishes, ..WorldSource::new(Seed(common.seed)) })
+        .map_err(|e| match named {
+            Some(path) => Fail::file(path, e),
+            None => e.into(),
+        })?;
     if let Some((file, text)) = &edits {
         let rejected = world.rejected_edits(&Cancel::new())?;
         let lines: Vec<String> = rejected.iter().map(|e| e.in_file(file, text).to_string()).collect();

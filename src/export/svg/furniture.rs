@@ -2,8 +2,9 @@
 
 use super::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, paths, round, trace};
 use crate::export::{Plan, glyphs};
+use crate::network::SizeClass;
 use crate::network::{JunctionId, Street, StreetClass};
-use crate::region::{Settlement, SizeClass};
+use crate::region::Settlement;
 use crate::space::{Bounds, closest_on_segment, segments};
 use glam::DVec2;
 use std::collections::BTreeMap;

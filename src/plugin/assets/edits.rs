@@ -3,9 +3,9 @@
 use super::AssetRejected;
 use super::folder::reject;
 use super::loader::read;
+use crate::edits::{Edits, RejectedEdit};
 use crate::layer::FileError;
 use crate::plugin::source::{Making, SprawlSource};
-use crate::region::{Edits, RejectedEdit};
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoadFailedEvent, AssetLoader, LoadContext};
 use bevy::prelude::*;

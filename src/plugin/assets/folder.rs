@@ -3,7 +3,7 @@
 use crate::layer::FileError;
 use crate::patch::PatchSet;
 use crate::plugin::source::{Making, SprawlSource};
-use crate::town::Style;
+use crate::style::Style;
 use crate::world::WorldAssets;
 use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath};
 use bevy::prelude::*;

@@ -5,7 +5,7 @@
 
 use crate::layer::FileError;
 use crate::patch::PatchSet;
-use crate::town::Style;
+use crate::style::Style;
 use bevy::asset::io::Reader;
 use bevy::asset::{Asset, AssetLoader, LoadContext, UntypedAssetId, VisitAssetDependencies};
 use bevy::reflect::TypePath;
@@ -23,7 +23,7 @@ impl VisitAssetDependencies for PatchSet {
 
 impl TypePath for Style {
     fn type_path() -> &'static str {
-        "bevy_sprawl::town::Style"
+        "bevy_sprawl::style::Style"
     }
 
     fn short_type_path() -> &'static str {

@@ -10,7 +10,7 @@ pub use loader::{PatchSetLoader, StyleLoader};
 
 use super::schedule::SprawlSystems;
 use crate::patch::PatchSet;
-use crate::town::Style;
+use crate::style::Style;
 use bevy::prelude::*;
 
 pub(super) struct AssetsPlugin {

@@ -12,7 +12,7 @@ use crate::plugin::{
 };
 use crate::space::Seed;
 use crate::terrain::{Terrain, TerrainSample};
-use crate::world::{Settings, WorldAssets};
+use crate::world::{WorldAssets, WorldSource};
 use glam::DVec2;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -87,13 +87,7 @@ fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default()))
         .init_asset::<Mesh>()
-        .insert_resource(SprawlSource {
-            seed: Seed(0),
-            settings: Settings::default(),
-            assets: WorldAssets::default(),
-            edits: Default::default(),
-            terrain: Default::default(),
-        })
+        .insert_resource(SprawlSource(WorldSource { assets: WorldAssets::default(), ..WorldSource::new(Seed(0)) }))
         .insert_resource(SprawlOrigin::default())
         .init_resource::<StreamSettings>()
         .add_plugins((

@@ -72,10 +72,11 @@ pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub(crate) use over::{CLEARANCE, rise};
 pub use settings::{Crossing, RoadSettings, TierSettings};
 
+use crate::edits::{Edits, RejectedEdit};
 use crate::layer::{Cancel, LayerCache, LayerError};
+use crate::network::SizeClass;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
-use crate::region::edits::{Edits, RejectedEdit};
-use crate::region::{Settlement, SettlementId, Settlements, SizeClass};
+use crate::region::{Settlement, SettlementId, Settlements};
 use crate::space::{Bounds, Origin};
 use crate::terrain::Terrain;
 use glam::{DVec2, I64Vec2};

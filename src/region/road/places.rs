@@ -1,7 +1,8 @@
 //! What roads ask of settlements.
 
 use crate::layer::LayerError;
-use crate::region::{Outline, Settlement, Settlements, SizeClass};
+use crate::network::SizeClass;
+use crate::region::{Outline, Settlement, Settlements};
 use crate::space::Bounds;
 use std::sync::Arc;
 

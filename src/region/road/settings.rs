@@ -1,8 +1,8 @@
 //! Settings of roads.
 
 use crate::layer::RangeError;
+use crate::network::SizeClass;
 use crate::network::StreetClass;
-use crate::region::SizeClass;
 use serde::{Deserialize, Serialize};
 
 /// Settings of roads, one set per class.

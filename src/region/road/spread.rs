@@ -5,7 +5,7 @@ use super::graph::TILE_STEPS;
 use super::shape::RING;
 use super::site::SITE_STEPS;
 use super::{merge, over};
-use crate::region::SizeClass;
+use crate::network::SizeClass;
 
 impl RoadSettings {
     /// Distance in metres from a way point of class `top` that comes, goes or changes, beyond which no road is different.

@@ -5,9 +5,10 @@
 use super::lattice::{node_at, node_near};
 use super::places::Places;
 use super::tier_of_class;
+use crate::edits::{EditList, RejectedEdit, WayPoint};
 use crate::layer::LayerError;
-use crate::region::edits::{EditList, RejectedEdit, WayPoint};
-use crate::region::{Outline, Settlement, SettlementId, SizeClass};
+use crate::network::SizeClass;
+use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, Origin, point_in_polygon, polygon_distance, stable_hash};
 use crate::terrain::Terrain;
 use glam::DVec2;

@@ -6,7 +6,8 @@ use super::pairs::{ellipse_bounds, pair, repulsion, smooth};
 use super::search::{Task, Window, search};
 use super::{TierSettings, Work};
 use crate::layer::{Cancel, LayerError};
-use crate::region::{Settlement, SizeClass};
+use crate::network::SizeClass;
+use crate::region::Settlement;
 use glam::{DVec2, I64Vec2};
 
 /// The ground within the ellipse of a pair.

@@ -1,6 +1,6 @@
 //! Names of places, put together from syllables.
 
-use crate::region::SizeClass;
+use crate::network::SizeClass;
 use crate::space::Stream;
 
 const ONSETS: [&str; 32] = [

@@ -1,9 +1,10 @@
 //! Settlements that the user pinned and moved, and where the user wants none.
 
 use super::{LEAST_REACH, NEIGHBOUR, SettlementSettings, Settlements, apart, name, site};
+use crate::edits::{EditList, RejectedEdit, SettlementEdit};
 use crate::layer::LayerError;
-use crate::region::edits::{EditList, RejectedEdit, SettlementEdit};
-use crate::region::{Settlement, SettlementId, SizeClass};
+use crate::network::SizeClass;
+use crate::region::{Settlement, SettlementId};
 use crate::space::{Bounds, Origin, math, stable_hash};
 use crate::terrain::Terrain;
 use glam::DVec2;

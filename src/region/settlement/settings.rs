@@ -1,7 +1,8 @@
 //! Settings of settlements.
 
+use crate::edits::SETTLEMENT_RADII;
 use crate::layer::RangeError;
-use crate::region::SizeClass;
+use crate::network::SizeClass;
 use crate::space::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -33,9 +34,6 @@ impl<T> PerSize<T> {
         Self { city: make(SizeClass::City), town: make(SizeClass::Town), village: make(SizeClass::Village) }
     }
 }
-
-/// Radii that settlements may have, in metres.
-pub(in crate::region) const RADII: (f64, f64) = (120.0, 5_000.0);
 
 /// Settings of settlements. Lengths in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -105,8 +103,8 @@ impl SettlementSettings {
             let tier = size.name();
             let within = |field: &str| format!("{field}.{tier}");
             let radius = *self.radius.of(size);
-            range(&within("radius"), radius.0, RADII.0, RADII.1)?;
-            range(&within("radius"), radius.1, radius.0, RADII.1)?;
+            range(&within("radius"), radius.0, SETTLEMENT_RADII.0, SETTLEMENT_RADII.1)?;
+            range(&within("radius"), radius.1, radius.0, SETTLEMENT_RADII.1)?;
             range(&within("spacing"), *self.spacing.of(size), radius.1 * 1.2, 1_000_000.0)?;
             range(&within("share"), *self.share.of(size), 0.0, 1.0)?;
             let styles = self.styles.of(size);

@@ -1,8 +1,9 @@
 //! Settlements of a finite domain, from a CSV file.
 
-use super::settings::RADII;
+use crate::edits::SETTLEMENT_RADII;
 use crate::layer::{FileError, RangeError, quoted};
-use crate::region::{Settlement, SettlementId, SettlementSettings, SizeClass};
+use crate::network::SizeClass;
+use crate::region::{Settlement, SettlementId, SettlementSettings};
 use crate::space::{Bounds, Geographic, Origin, stable_hash};
 use csv_core::ReadFieldResult;
 use glam::DVec2;
@@ -335,7 +336,7 @@ impl Columns {
         let at = geographic.map_or(at, |g| g.to_plan(at));
         let range = *settings.radius.of(size);
         let radius = match self.radius.filter(|column| !fields[*column].text.is_empty()) {
-            Some(column) => number(column, RADII)?,
+            Some(column) => number(column, SETTLEMENT_RADII)?,
             None => (range.0 + range.1) / 2.0,
         };
         let style = settings.styles.of(size).iter().find(|s| s.1 > 0.0).map(|s| s.0.clone()).unwrap_or_default();

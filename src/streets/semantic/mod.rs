@@ -34,7 +34,7 @@ use crate::network::VertexIx;
 use crate::patch::STRETCH;
 use crate::space::{Bounds, Stream, math};
 use crate::streets::{CellBrief, CellFiller, CellStreets, MadeBy};
-use crate::town::FieldKind;
+use crate::style::FieldKind;
 use canvas::Canvas;
 use checker::Checker;
 use glam::DVec2;

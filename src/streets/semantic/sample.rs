@@ -5,7 +5,8 @@ use crate::patch::{PatchDatabase, PatchSet};
 use crate::seam::{CellPort, STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
 use crate::streets::{CellBrief, PinnedPatch};
-use crate::town::{CellId, DirectionField, FieldKind, Style};
+use crate::style::{FieldKind, Style};
+use crate::town::{CellId, DirectionField};
 use glam::DVec2;
 
 /// A cell with all that its brief needs.

@@ -10,7 +10,7 @@ use crate::space::{
     segment_distance, segments,
 };
 use crate::streets::{CellFiller, CellStreets, MadeBy};
-use crate::town::FieldKind;
+use crate::style::FieldKind;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;

@@ -212,8 +212,8 @@ mod tests {
     use super::*;
     use crate::network::StreetClass;
     use crate::space::{Origin, Seed};
+    use crate::style::MainRules;
     use crate::terrain::{Terrain, TerrainSample};
-    use crate::town::MainRules;
     use crate::town::plan::sketch::{Limits, Rules};
 
     struct Flat;

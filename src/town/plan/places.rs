@@ -4,7 +4,7 @@ use super::sketch::Sketch;
 use crate::network::{EdgeIx, StreetClass, VertexIx};
 use crate::space::math::{angle_of, cos, direction, sin};
 use crate::space::{QUANTUM, Seed, quantize};
-use crate::town::MainRules;
+use crate::style::MainRules;
 use glam::DVec2;
 use std::cmp::Reverse;
 use std::f64::consts::TAU;

@@ -5,8 +5,8 @@ use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::region::Gate;
 use crate::space::math::{angle_between, sin};
 use crate::space::{Origin, distance_to_segment, line_length, point_in_polygon, quantize, segments};
+use crate::style::MainRules;
 use crate::terrain::Terrain;
-use crate::town::MainRules;
 use glam::DVec2;
 
 /// Steepest grade of a main street (rise over run).

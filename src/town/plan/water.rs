@@ -7,7 +7,7 @@ use super::sketch::{End, Limits, Sketch, tidy};
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
 use crate::region::Waterway;
 use crate::space::{Stream, closest_on_line, left_normal, segments};
-use crate::town::MainRules;
+use crate::style::MainRules;
 use glam::DVec2;
 
 /// Distance from a bank line towards the water that no street but a bridge goes beyond, in metres.

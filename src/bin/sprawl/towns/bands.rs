@@ -1,7 +1,7 @@
 //! What real streets measure, for each kind of town.
 
-use bevy_sprawl::network::Survey;
-use bevy_sprawl::town::{FieldKind, Style};
+use bevy_sprawl::analysis::Survey;
+use bevy_sprawl::style::{FieldKind, Style};
 use clap::ValueEnum;
 
 /// A kind of real town.

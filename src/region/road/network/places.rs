@@ -1,8 +1,9 @@
 //! The settlements of a finite domain: which of them have a disc that roads stop at, and which are nodes.
 
 use crate::layer::LayerError;
+use crate::network::SizeClass;
 use crate::region::road::places::Places;
-use crate::region::{Outline, Settlement, SettlementId, SizeClass};
+use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, math, quantize};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

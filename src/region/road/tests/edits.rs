@@ -1,7 +1,7 @@
 //! Roads with the user's wishes.
 
 use super::*;
-use crate::region::edits::{EditList, Edits, Influence, RoadEdit, Shape, WayPoint};
+use crate::edits::{EditList, Edits, Influence, RoadEdit, Shape, WayPoint};
 use crate::space::{distance_to_line, line_length, point_at, segments};
 
 fn edited(seed: u64, flat: bool, edits: &Edits) -> Roads {

@@ -3,7 +3,8 @@
 use super::super::places::Places;
 use super::super::{RoadSettings, Roads, Work};
 use crate::layer::LayerError;
-use crate::region::{Outline, Settlement, SettlementId, SizeClass};
+use crate::network::SizeClass;
+use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, Origin, Seed, math, quantize, stable_hash};
 use crate::terrain::{Terrain, TerrainSample};
 use glam::{DVec2, I64Vec2};

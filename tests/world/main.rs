@@ -1,19 +1,24 @@
 //! The one promise: what is made depends on seed, settings, assets and edits alone, wherever, whenever and on whichever thread.
 
+mod rivers;
+mod towns;
+
+use bevy_sprawl::analysis::ChunkBorderCounts;
+use bevy_sprawl::analysis::{Fault, audit, unreached_gates};
 use bevy_sprawl::chunk::Chunk;
+use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::network::LatticeCounts;
-use bevy_sprawl::region::SizeClass;
+use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::terrain::{Raster, RasterTerrain, Terrain, TerrainSample};
 use bevy_sprawl::town::MainStreet;
-use bevy_sprawl::world::{Edits, Fault, Settings, World, WorldAssets, audit, unreached_gates};
+use bevy_sprawl::world::{Settings, TerrainSource, World, WorldSource};
 use glam::DVec2;
 use proptest::prelude::*;
 use std::sync::Arc;
 
 fn world(seed: u64, settings: &Settings) -> World {
-    World::new(Seed(seed), settings.clone(), WorldAssets::bundled()).expect("settings are valid")
+    World::new(WorldSource { settings: settings.clone(), ..WorldSource::new(Seed(seed)) }).expect("settings are valid")
 }
 
 /// Everything in a chunk, to the last bit.
@@ -32,7 +37,7 @@ fn built_up(world: &World, near: DVec2) -> ChunkCoord {
 fn conurbation() -> Settings {
     let file = "assets/settings/conurbation.ron";
     let mut settings =
-        Settings::from_ron(file, include_str!("../assets/settings/conurbation.ron")).expect("it is checked");
+        Settings::from_ron(file, include_str!("../../assets/settings/conurbation.ron")).expect("it is checked");
     let s = &mut settings.settlements;
     (s.share.city, s.spacing.town, s.radius.town) = (0.0, 900.0, (560.0, 680.0));
     settings
@@ -51,10 +56,8 @@ fn edits_change_what_they_name_and_nothing_far_away() {
         influences: [(shape: Point((1000, 1000)), radius: 900, strength: -0.5)],
     )"#;
     let edits = Edits::from_ron("edits.ron", text).expect("it is right");
-    let edited = || {
-        World::with_edits(Seed(5), Settings::default(), WorldAssets::bundled(), edits.clone())
-            .expect("settings are valid")
-    };
+    let edited =
+        || World::new(WorldSource { edits: edits.clone(), ..WorldSource::new(Seed(5)) }).expect("settings are valid");
     let (first, again) = (edited(), edited());
     assert_eq!(first.rejected_edits(&Cancel::new()), Ok(vec![]));
     let pinned = ChunkCoord::containing(DVec2::new(-5900.0, 2500.0), 512);
@@ -126,7 +129,7 @@ impl Terrain for Flat {
 
 #[test]
 fn a_world_stands_on_the_ground_that_a_game_brings() {
-    let w = World::on_terrain(Seed(5), Settings::default(), WorldAssets::bundled(), Arc::new(Flat)).unwrap();
+    let w = World::new(WorldSource { terrain: TerrainSource::own(Flat), ..WorldSource::new(Seed(5)) }).unwrap();
     let chunk = w.chunk(built_up(&w, DVec2::ZERO), &Cancel::new()).unwrap();
     assert!(!chunk.streets.is_empty() && !chunk.footprints.is_empty());
     assert!(chunk.ground.samples.iter().all(|s| s.height == 20.0 && s.depth() == 0.0 && s.vegetation == 0.25));
@@ -148,7 +151,7 @@ fn a_world_stands_on_rasters_with_water_and_woods() {
     let lake = |x: f64, y: f64| if x < -6_000.0 && y.abs() < 12_000.0 { 8.0 } else { 0.0 };
     let terrain = RasterTerrain::new(heights).and_then(|t| t.with_water_depth(raster(60, &lake)));
     let terrain = terrain.and_then(|t| t.with_vegetation(raster(20, &|_, y| if y < 0.0 { 0.9 } else { 0.0 }))).unwrap();
-    let w = World::on_terrain(Seed(8), Settings::default(), WorldAssets::bundled(), Arc::new(terrain)).unwrap();
+    let w = World::new(WorldSource { terrain: TerrainSource::own(terrain), ..WorldSource::new(Seed(8)) }).unwrap();
     let land = |x: f64, y: f64| w.terrain().sample(DVec2::new(x, y));
     assert!(land(-9_000.0, 0.0).depth() > 7.9 && land(9_000.0, 0.0).depth() == 0.0);
     assert!(land(5_000.0, -9_000.0).vegetation > 0.8 && land(5_000.0, 9_000.0).vegetation == 0.0);
@@ -200,7 +203,7 @@ fn cities_of_new_seeds_keep_every_promise() {
 #[test]
 fn streets_do_not_tell_where_chunk_borders_are() {
     let w = world(31, &Settings::default());
-    let mut counts = LatticeCounts::new(w.settings().chunk_size as f64, 40.0);
+    let mut counts = ChunkBorderCounts::new(w.settings().chunk_size as f64, 40.0);
     let cities = w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 90_000.0), SizeClass::City).unwrap();
     for city in cities.iter().take(4) {
         let outline = w.settlements().outline(city).unwrap();

@@ -6,7 +6,8 @@ use crate::patch::{Patch, PatchDatabase, PatchSet};
 use crate::region::{Border, Outline, Settlement};
 use crate::space::{Origin, Seed, distance_to_line};
 use crate::streets::PinnedPatch;
-use crate::town::{CellId, Style};
+use crate::style::Style;
+use crate::town::CellId;
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -230,7 +231,7 @@ mod tests {
     use super::*;
     use crate::network::StreetClass;
     use crate::region::SettlementId;
-    use crate::town::FringeRules;
+    use crate::style::FringeRules;
 
     #[test]
     fn styles_of_towns_that_touch_meet_in_equal_shares_on_their_border() {

@@ -10,12 +10,12 @@
 mod text;
 
 use crate::layer::{FileError, RangeError, from_ron};
-use crate::network::{JunctionId, Street, StreetClass, StreetId, crossings};
-use crate::region::SizeClass;
-use crate::region::settlement::RADII;
+use crate::network::{JunctionId, SizeClass, Street, StreetClass, StreetId, crossings};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+/// Radii that settlements may have, in metres.
+pub const SETTLEMENT_RADII: (f64, f64) = (120.0, 5_000.0);
 /// Coordinates may be this far from 0, in metres.
 const FARTHEST: f64 = 1e10;
 /// Bytes that a name may have.
@@ -28,7 +28,7 @@ const MOST_VIA: usize = 32;
 /// The user's wishes. Places are plan metres, x east and y north, at most 10,000,000 km from 0.
 ///
 /// ```
-/// use bevy_sprawl::world::Edits;
+/// use bevy_sprawl::edits::Edits;
 ///
 /// let edits = Edits::from_ron("edits.ron", r#"(
 ///     settlements: [
@@ -318,7 +318,7 @@ impl SettlementEdit {
                 {
                     return Err(format!("name is not 1 to {LONGEST_NAME} bytes on one line"));
                 }
-                radius.map_or(Ok(()), |r| number("radius", r, RADII))
+                radius.map_or(Ok(()), |r| number("radius", r, SETTLEMENT_RADII))
             }
             Self::Move { from, to } => place("from", *from).and(place("to", *to)),
             Self::Ban { at, radius } => place("at", *at).and(number("radius", *radius, (0.0, 100_000.0))),

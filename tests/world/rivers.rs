@@ -1,14 +1,21 @@
 //! Towns that rivers run through, in worlds of many seeds.
 
-use super::*;
-use crate::network::{JunctionId, Street};
-use crate::region::{Outline, Settlement, SizeClass, Waterway};
-use crate::space::math::{angle_between, cos, sin};
-use crate::space::{point_at, point_in_polygon, segments, signed_area};
-use crate::terrain::{Terrain, TerrainSample};
-use crate::town::{CellUse, Town};
+use bevy_sprawl::analysis::audit;
+use bevy_sprawl::chunk::Chunk;
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::network::{JunctionId, Street};
+use bevy_sprawl::region::{Outline, Settlement, Waterway};
+use bevy_sprawl::space::math::{angle_between, cos, sin};
+use bevy_sprawl::space::{Bounds, Seed};
+use bevy_sprawl::space::{point_at, point_in_polygon, segments, signed_area};
+use bevy_sprawl::terrain::{Terrain, TerrainSample};
+use bevy_sprawl::town::{CellUse, Town};
+use bevy_sprawl::world::{TerrainSource, World, WorldSource};
+use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 type Found = Vec<(Arc<Settlement>, Arc<Outline>)>;
 
@@ -54,7 +61,7 @@ fn river_towns(world: &World, size: f64) -> (usize, Found) {
 }
 
 fn wet(world: &World, p: DVec2) -> bool {
-    world.layers().terrain().sample(p).depth() > 0.0
+    world.stack().terrain().sample(p).depth() > 0.0
 }
 
 /// Bridges of a plan, checked against the river; all else keeps off it.
@@ -93,8 +100,8 @@ fn check_plan(world: &World, town: &Town, way: &Waterway, what: &str) -> usize {
 fn nearest_heading(bank: &[DVec2], a: DVec2, b: DVec2) -> DVec2 {
     let middle = a.lerp(b, 0.5);
     let piece = segments(bank).min_by(|x, y| {
-        crate::space::distance_to_segment(middle, x.0, x.1)
-            .total_cmp(&crate::space::distance_to_segment(middle, y.0, y.1))
+        bevy_sprawl::space::distance_to_segment(middle, x.0, x.1)
+            .total_cmp(&bevy_sprawl::space::distance_to_segment(middle, y.0, y.1))
     });
     piece.map_or(DVec2::X, |(p, q)| q - p)
 }
@@ -103,7 +110,7 @@ fn nearest_heading(bank: &[DVec2], a: DVec2, b: DVec2) -> DVec2 {
 fn bridges_lead_over_the_rivers_that_run_through_towns() {
     let (mut towns, mut with, mut bridges) = (0, 0, 0);
     for seed in 1..=3 {
-        let world = World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).unwrap();
+        let world = World::new(WorldSource::new(Seed(seed))).unwrap();
         let (count, found) = river_towns(&world, 40_000.0);
         towns += count;
         with += found.len();
@@ -125,7 +132,7 @@ fn bridges_lead_over_the_rivers_that_run_through_towns() {
 #[test]
 fn nothing_is_built_in_rivers() {
     for seed in 1..=3 {
-        let world = World::new(Seed(seed), Settings::default(), WorldAssets::bundled()).unwrap();
+        let world = World::new(WorldSource::new(Seed(seed))).unwrap();
         for (settlement, outline) in river_towns(&world, 40_000.0).1.into_iter().take(2) {
             let bounds = Bounds::square(settlement.centre.plan(), 2.0 * (settlement.radius + 200.0));
             let area = world.area(bounds, &Cancel::new()).unwrap();
@@ -156,7 +163,8 @@ fn towns_lie_on_both_banks_of_every_river_that_can_be_bridged() {
     let (mut towns, mut with, mut bridges) = (0, 0, 0);
     for seed in 400..408 {
         let ground = Arc::new(Valleys::draw(seed));
-        let world = World::on_terrain(Seed(seed), Settings::default(), WorldAssets::bundled(), ground).unwrap();
+        let world =
+            World::new(WorldSource { terrain: TerrainSource::Own(ground), ..WorldSource::new(Seed(seed)) }).unwrap();
         let (count, found) = river_towns(&world, 16_000.0);
         towns += count;
         with += found.len();

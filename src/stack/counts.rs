@@ -3,7 +3,8 @@
 use super::kits::CellStyle;
 use crate::space::stable_hash;
 use crate::streets::PinnedPatch;
-use crate::town::{CellUse, Style, Town};
+use crate::style::Style;
+use crate::town::{CellUse, Town};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 

@@ -1,98 +1,61 @@
-//! The layers below the chunk put together: towns, seams, streets and parcels with their caches, found by place.
-//!
-//! A town's seams read the plans of the towns that it touches; plans read nothing of each other but the borders, and for the
-//! styles of cells near these the style and outline of the other town.
+//! The layers below the chunk put together: towns, seams, streets and parcels, each made once and cached.
 
-mod pins;
-
-use super::kits::{Blend, CellStyle, Kits, Spread, StyleKit};
-use crate::chunk::PlacedStreet;
-use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
-use crate::network::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
+use super::kits::{CellStyle, Kits, Spread, StyleKit};
+use super::town::{Planned, SeamedTown};
+use crate::edits::PatchEdit;
+use crate::layer::{Cancel, LayerCache, LayerError};
+use crate::network::{JunctionId, Street, StreetClass};
 use crate::parcel::{self, CellParcels, ParcelBrief};
 use crate::patch::PatchSet;
-use crate::region::edits::PatchEdit;
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
-use crate::seam::{self, Across, Seam};
-use crate::space::{Bounds, Origin, Seed};
-use crate::streets::{CellBrief, CellFiller, CellStreets, PinnedPatch, SemanticPatches};
+use crate::seam::{self, Across};
+use crate::space::{Bounds, Seed};
+use crate::streets::{CellBrief, CellFiller, CellStreets, SemanticPatches};
+use crate::style::{Filler, ParcelRules, Style};
 use crate::terrain::Terrain;
-use crate::town::{self, CellUse, Filler, MainCell, ParcelRules, Style, Town};
-use glam::DVec2;
-use std::collections::{BTreeMap, BTreeSet};
+use crate::town::{self, CellUse, MainCell, Town};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A town with its seams.
-#[derive(Clone, Debug)]
-pub struct SeamedTown {
-    /// Main streets and main cells.
-    pub town: Arc<Town>,
-    /// What each main cell is filled with.
-    pub cells: Vec<CellStyle>,
-    /// Seams, one for each main street.
-    pub seams: Vec<Seam>,
-    /// The main streets divided at the ports.
-    pub mains: Network,
-    /// Streets of `mains` that run along a border, which another town has, too, with the border's origin.
-    pub shared: BTreeMap<StreetId, Origin>,
-}
-
-/// A town's plan with the styles of its main cells.
-struct Planned {
-    town: Arc<Town>,
-    /// What is mixed in each cell, and the mixture.
-    cells: Vec<(Blend, CellStyle)>,
-}
-
-/// Layers 1 to 7 of a world. Each thing is made once and kept while the cache of its layer has room.
-pub struct Layers {
-    seed: Seed,
+/// Layers 1 to 8 of a world, with their caches. Each thing is made once and kept while the cache of its layer has room.
+pub struct Stack {
+    pub(super) seed: Seed,
     terrain: Arc<dyn Terrain>,
-    settlements: Arc<Settlements>,
+    pub(super) settlements: Arc<Settlements>,
     roads: Roads,
-    kits: Kits,
-    pins: Vec<PatchEdit>,
+    pub(super) kits: Kits,
+    pub(super) pins: Vec<PatchEdit>,
     plans: LayerCache<SettlementId, Planned>,
     towns: LayerCache<SettlementId, SeamedTown>,
     streets: LayerCache<(SettlementId, usize), CellStreets>,
     parcels: LayerCache<(SettlementId, usize), CellParcels>,
 }
 
-/// A street and the origin that it is local to.
-#[derive(Clone, Debug)]
-pub(crate) struct Found<T> {
-    pub origin: Origin,
-    pub it: T,
+/// What a [`Stack`] is made of.
+pub struct StackParts {
+    /// The seed.
+    pub seed: Seed,
+    /// The ground.
+    pub terrain: Arc<dyn Terrain>,
+    /// The settlements on it.
+    pub settlements: Arc<Settlements>,
+    /// The roads between them.
+    pub roads: Roads,
+    /// Every style that a settlement or another style may name, with its patches.
+    pub kits: BTreeMap<String, StyleKit>,
+    /// Every patch set.
+    pub sets: BTreeMap<String, Arc<PatchSet>>,
+    /// The patches that the user pinned.
+    pub pins: Vec<PatchEdit>,
+    /// Bound of the memory of towns, streets and parcels together, in bytes.
+    pub bytes: usize,
 }
 
-/// What overlaps a box.
-#[derive(Default)]
-pub(crate) struct Overlap {
-    /// Streets, whole; each once.
-    pub streets: Vec<Found<PlacedStreet>>,
-    /// Junctions at their ends; each once.
-    pub junctions: Vec<Found<Junction>>,
-    /// Main cells, as town and index.
-    pub cells: Vec<(Arc<SeamedTown>, usize)>,
-    /// Settlements whose outline overlaps the box.
-    pub settlements: Vec<Arc<Settlement>>,
-}
-
-impl Layers {
-    /// The layers of a world. `kits` holds every style that a settlement or another style may name, `sets` every patch set, `pins`
-    /// the patches that the user wants somewhere; `town_bytes` bounds the memory of towns, streets and parcels together.
-    #[expect(clippy::too_many_arguments, reason = "the things that a world is made of")]
-    pub fn new(
-        seed: Seed,
-        terrain: Arc<dyn Terrain>,
-        settlements: Arc<Settlements>,
-        roads: Roads,
-        kits: BTreeMap<String, StyleKit>,
-        sets: BTreeMap<String, Arc<PatchSet>>,
-        pins: Vec<PatchEdit>,
-        town_bytes: usize,
-    ) -> Self {
-        let share = town_bytes / 4;
+impl Stack {
+    /// The layers of a world.
+    pub fn new(parts: StackParts) -> Self {
+        let StackParts { seed, terrain, settlements, roads, kits, sets, pins, bytes } = parts;
+        let share = bytes / 4;
         Self {
             seed,
             terrain,
@@ -187,7 +150,13 @@ impl Layers {
     }
 
     /// Gives `use_it` the brief of a main cell.
-    fn brief<T>(&self, town: &SeamedTown, cell: usize, with: &CellStyle, use_it: impl FnOnce(&CellBrief) -> T) -> T {
+    pub(super) fn brief<T>(
+        &self,
+        town: &SeamedTown,
+        cell: usize,
+        with: &CellStyle,
+        use_it: impl FnOnce(&CellBrief) -> T,
+    ) -> T {
         let (plan, of) = (&town.town, &town.town.cells[cell]);
         use_it(&CellBrief {
             seed: self.seed,
@@ -268,60 +237,6 @@ impl Layers {
         }
         Ok(out)
     }
-
-    /// Everything that overlaps `bounds` (plan metres), parcels excepted; `reach` says how far the caller may read.
-    pub(crate) fn overlapping(&self, bounds: Bounds, reach: &Reach, cancel: &Cancel) -> Result<Overlap, LayerError> {
-        let bounds = reach.check(bounds)?;
-        let mut out = Overlap::default();
-        let (mut seen, mut borders) = (BTreeSet::new(), BTreeSet::new());
-        let mut put_street = |out: &mut Overlap, origin: Origin, it: PlacedStreet| {
-            if it.street.bounds().moved(origin.plan()).overlaps(bounds) {
-                for (id, at) in [(it.street.from, it.street.line.first()), (it.street.to, it.street.line.last())] {
-                    if let Some(&at) = at
-                        && seen.insert(id)
-                    {
-                        out.junctions.push(Found { origin, it: Junction { id, at } });
-                    }
-                }
-                out.streets.push(Found { origin, it });
-            }
-        };
-        for road in self.roads.overlapping(bounds, cancel)? {
-            put_street(&mut out, road.origin, PlacedStreet { street: road.street.clone(), made_by: None });
-        }
-        for settlement in self.settlements.overlapping(bounds)? {
-            cancel.check()?;
-            if !self.settlements.outline(&settlement)?.bounds().overlaps(bounds) {
-                continue;
-            }
-            let town = self.town(&settlement, cancel)?;
-            let origin = town.town.origin;
-            for street in &town.mains.streets {
-                // Both towns at a border give the very same bits, whichever comes first.
-                let shared = town.shared.get(&street.id);
-                if shared.is_none() || borders.insert(street.id) {
-                    let at = shared.copied().unwrap_or(origin);
-                    let street = street.moved(origin.offset_to(at));
-                    put_street(&mut out, at, PlacedStreet { street, made_by: None });
-                }
-            }
-            for (i, cell) in town.town.cells.iter().enumerate() {
-                if !Bounds::of(cell.border.iter().copied()).moved(origin.plan()).overlaps(bounds) {
-                    continue;
-                }
-                cancel.check()?;
-                for local in &self.streets(&town, i, cancel)?.streets {
-                    let placed = PlacedStreet { street: local.street.clone(), made_by: Some(local.made_by) };
-                    put_street(&mut out, origin, placed);
-                }
-                out.cells.push((town.clone(), i));
-            }
-            out.settlements.push(settlement);
-        }
-        out.streets.sort_by_key(|s| s.it.street.id);
-        out.junctions.sort_by_key(|j| j.it.id);
-        Ok(out)
-    }
 }
 
 /// Half the width of the street along each border edge of a cell.
@@ -334,53 +249,4 @@ fn border_widths(town: &Town, cell: &MainCell) -> Vec<Option<f64>> {
         }
     }
     widths
-}
-
-impl Weigh for Town {
-    fn bytes(&self) -> usize {
-        let point = size_of::<DVec2>();
-        let cells: usize = self.cells.iter().map(|c| 200 + c.border.len() * point).sum();
-        let mains: usize = self.mains.iter().map(|m| 200 + m.street.line.len() * point).sum();
-        cells + mains + self.outline.polygon.len() * point
-    }
-}
-
-impl Weigh for Planned {
-    fn bytes(&self) -> usize {
-        let cells = self.cells.iter().map(|(_, cell)| 200 + weigh_style(cell));
-        self.town.bytes() + cells.sum::<usize>()
-    }
-}
-
-impl Weigh for SeamedTown {
-    fn bytes(&self) -> usize {
-        let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
-        let shared = self.shared.len() * 48;
-        let cells: usize = self.cells.iter().map(weigh_style).sum();
-        cells + ports + shared + weigh_network(&self.mains)
-    }
-}
-
-impl Weigh for CellStreets {
-    fn bytes(&self) -> usize {
-        let streets: usize = self.streets.iter().map(|s| 120 + s.street.line.len() * size_of::<DVec2>()).sum();
-        streets + self.junctions.len() * size_of::<Junction>() + self.unmet.len() * size_of::<JunctionId>()
-    }
-}
-
-impl Weigh for CellParcels {
-    fn bytes(&self) -> usize {
-        let points = self.blocks.iter().map(|b| &b.polygon).chain(self.lots.iter().map(|l| &l.polygon));
-        points.chain(self.footprints.iter().map(|f| &f.polygon)).map(|p| 64 + p.len() * size_of::<DVec2>()).sum()
-    }
-}
-
-fn weigh_style(cell: &CellStyle) -> usize {
-    // A mixed style is the cell's own.
-    700 + 8 * cell.weights.len() + size_of::<PinnedPatch>() * cell.pinned.len()
-}
-
-fn weigh_network(network: &Network) -> usize {
-    let streets: usize = network.streets.iter().map(|s| 112 + s.line.len() * size_of::<DVec2>()).sum();
-    streets + network.junctions.len() * size_of::<Junction>()
 }

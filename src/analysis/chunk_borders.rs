@@ -16,7 +16,7 @@ const ALONG: f64 = 0.267_949_192_431_122_7;
 
 /// Streets and junctions near the lines of a lattice and away from them. Positions are plan metres.
 #[derive(Clone, Debug)]
-pub struct LatticeCounts {
+pub struct ChunkBorderCounts {
     period: f64,
     rim: f64,
     /// Near the lines, and away from them.
@@ -35,10 +35,10 @@ struct Zone {
     along_m: f64,
 }
 
-/// What [`LatticeCounts`] add up to. Ratios are of what is near the lines to what is between them: 1 where nothing knows of
+/// What [`ChunkBorderCounts`] add up to. Ratios are of what is near the lines to what is between them: 1 where nothing knows of
 /// the lattice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LatticeReport {
+pub struct ChunkBorderReport {
     /// Square kilometres near the lines, and away from them.
     pub area_km2: [f64; 2],
     /// Junctions near the lines, and away from them.
@@ -54,7 +54,7 @@ pub struct LatticeReport {
     pub peaks: [[f64; HARMONICS]; 2],
 }
 
-impl LatticeReport {
+impl ChunkBorderReport {
     /// The greatest of all peaks.
     pub fn highest_peak(&self) -> f64 {
         self.peaks.iter().flatten().copied().fold(0.0, f64::max)
@@ -67,7 +67,7 @@ impl LatticeReport {
     }
 }
 
-impl LatticeCounts {
+impl ChunkBorderCounts {
     /// Nothing yet, over a lattice of lines every `period` metres from 0; what is within `rim` metres of one is near.
     pub fn new(period: f64, rim: f64) -> Self {
         Self { period, rim, zones: Default::default(), junctions: Vec::new() }
@@ -129,12 +129,12 @@ impl LatticeCounts {
     }
 
     /// What it adds up to.
-    pub fn report(&self) -> LatticeReport {
+    pub fn report(&self) -> ChunkBorderReport {
         let ratio = |of: &dyn Fn(&Zone) -> [f64; 2]| {
             let [near, away] = [of(&self.zones[0]), of(&self.zones[1])].map(|[sum, by]| sum / by.max(1e-9));
             near / away.max(1e-12)
         };
-        LatticeReport {
+        ChunkBorderReport {
             area_km2: self.zones.map(|z| z.area / 1e6),
             junctions: self.zones.map(|z| z.junctions),
             density_ratio: ratio(&|z| [z.junctions, z.area]),
@@ -173,9 +173,9 @@ mod tests {
     use crate::space::Seed;
 
     /// Junctions and short streets, spread evenly over 40 km2, and drawn towards the lines by a share.
-    fn spread(seed: u64, drawn: f64) -> LatticeReport {
+    fn spread(seed: u64, drawn: f64) -> ChunkBorderReport {
         let mut stream = Seed(seed).stream("lattice test", &[]);
-        let mut counts = LatticeCounts::new(512.0, 40.0);
+        let mut counts = ChunkBorderCounts::new(512.0, 40.0);
         let bounds = Bounds::square(DVec2::new(-3000.0, 700_000.0), 6324.0);
         counts.add_area(bounds, 16.0, |_| true);
         for _ in 0..6000 {

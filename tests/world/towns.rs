@@ -1,15 +1,22 @@
 //! What styles, counts and pinned patches make of towns.
 
-use super::*;
-use crate::region::{Settlement, SizeClass};
-use crate::space::math::rotate;
-use crate::space::{distance_to_line, stable_hash};
-use crate::streets::MadeBy;
-use crate::town::{CellUse, PatchCount, Style};
+use bevy_sprawl::edits::{EditList, Edits, PatchEdit};
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::region::Settlement;
+use bevy_sprawl::space::math::rotate;
+use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
+use bevy_sprawl::space::{distance_to_line, stable_hash};
+use bevy_sprawl::streets::MadeBy;
+use bevy_sprawl::style::{PatchCount, Style};
+use bevy_sprawl::town::CellUse;
+use bevy_sprawl::world::{World, WorldAssets, WorldSource};
+use glam::DVec2;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 fn world(assets: WorldAssets, edits: Edits) -> World {
-    World::with_edits(Seed(5), Settings::default(), assets, edits).expect("they are right")
+    World::new(WorldSource { assets, edits, ..WorldSource::new(Seed(5)) }).expect("they are right")
 }
 
 /// Towns of a style near the origin.
@@ -65,7 +72,7 @@ fn counted_patches_stand_as_often_as_the_style_says() {
         let town = w.town(settlement, &never()).unwrap();
         let cells_with = |name: &str| {
             let uses = |i: usize| {
-                let streets = w.layers().streets(&town, i, &never()).unwrap();
+                let streets = w.stack().streets(&town, i, &never()).unwrap();
                 let names = |m: MadeBy| match m {
                     MadeBy::Patch(p) => town.cells[i].patches.patches[p as usize].name == name,
                     _ => false,
@@ -113,7 +120,7 @@ fn a_pinned_patch_stands_where_it_is_pinned_or_is_rejected_alone() {
         let local = pinned.town.origin.to_local(edit.at);
         let cell = pinned.cells.iter().position(|c| c.edits.contains(&index)).expect("it is not rejected");
         let patch = pinned.cells[cell].patches.patches.iter().find(|p| p.name == edit.patch).unwrap();
-        let streets = w.layers().streets(&pinned, cell, &never()).unwrap();
+        let streets = w.stack().streets(&pinned, cell, &never()).unwrap();
         for edge in &patch.edges {
             let middle = patch.vertices[edge.a].lerp(patch.vertices[edge.b], 0.5);
             let mirror = if edit.mirrored { DVec2::new(1.0, -1.0) } else { DVec2::ONE };

@@ -1,16 +1,17 @@
 //! Patches that the user pinned in towns, and those that styles count.
 
-use super::{Layers, Planned, SeamedTown};
-use crate::chunk::counts::share_out;
+use super::counts::share_out;
+use super::layers::Stack;
+use super::town::{Planned, SeamedTown};
+use crate::edits::{EditList, RejectedEdit};
 use crate::layer::{Cancel, LayerError};
-use crate::region::edits::{EditList, RejectedEdit};
 use crate::space::{point_in_polygon, quantize};
 use crate::streets::{self, PinnedPatch};
 use crate::town::{CellUse, MainCell, Town};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
-impl Layers {
+impl Stack {
     /// Pins the patches that the user wants in a town, and those that its styles count.
     pub(super) fn pin(&self, town: &mut SeamedTown, plan: &Planned) -> Result<(), LayerError> {
         let mut wishes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();

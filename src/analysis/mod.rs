@@ -1,0 +1,12 @@
+//! Measures of networks and worlds: what a network is like, how it compares with real streets, whether it keeps its promises,
+//! and whether chunk borders can be told from it.
+
+mod audit;
+mod chunk_borders;
+mod measures;
+mod survey;
+
+pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use chunk_borders::{ChunkBorderCounts, ChunkBorderReport};
+pub use measures::{Measures, measure};
+pub use survey::{Survey, survey};

@@ -1,0 +1,83 @@
+//! Everything that overlaps a box, whoever owns it.
+
+use super::layers::Stack;
+use super::placed::{AtOrigin, PlacedStreet};
+use super::town::SeamedTown;
+use crate::layer::{Cancel, LayerError, Reach};
+use crate::network::Junction;
+use crate::region::Settlement;
+use crate::space::{Bounds, Origin};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// What overlaps a box.
+#[derive(Default)]
+pub struct Overlap {
+    /// Streets, whole; each once.
+    pub streets: Vec<AtOrigin<PlacedStreet>>,
+    /// Junctions at their ends; each once.
+    pub junctions: Vec<AtOrigin<Junction>>,
+    /// Main cells, as town and index.
+    pub cells: Vec<(Arc<SeamedTown>, usize)>,
+    /// Settlements whose outline overlaps the box.
+    pub settlements: Vec<Arc<Settlement>>,
+}
+
+impl Stack {
+    /// Everything that overlaps `bounds` (plan metres), except parcels. `reach` says how far the caller may read; reading
+    /// beyond it is an error.
+    pub fn overlapping(&self, bounds: Bounds, reach: &Reach, cancel: &Cancel) -> Result<Overlap, LayerError> {
+        let bounds = reach.check(bounds)?;
+        let mut out = Overlap::default();
+        let (mut seen, mut borders) = (BTreeSet::new(), BTreeSet::new());
+        let mut put_street = |out: &mut Overlap, origin: Origin, placed: PlacedStreet| {
+            if placed.street.bounds().moved(origin.plan()).overlaps(bounds) {
+                for (id, at) in
+                    [(placed.street.from, placed.street.line.first()), (placed.street.to, placed.street.line.last())]
+                {
+                    if let Some(&at) = at
+                        && seen.insert(id)
+                    {
+                        out.junctions.push(AtOrigin { origin, item: Junction { id, at } });
+                    }
+                }
+                out.streets.push(AtOrigin { origin, item: placed });
+            }
+        };
+        for road in self.roads().overlapping(bounds, cancel)? {
+            put_street(&mut out, road.origin, PlacedStreet { street: road.street.clone(), made_by: None });
+        }
+        for settlement in self.settlements.overlapping(bounds)? {
+            cancel.check()?;
+            if !self.settlements.outline(&settlement)?.bounds().overlaps(bounds) {
+                continue;
+            }
+            let town = self.town(&settlement, cancel)?;
+            let origin = town.town.origin;
+            for street in &town.mains.streets {
+                // Both towns at a border give the very same bits, whichever comes first.
+                let shared = town.shared.get(&street.id);
+                if shared.is_none() || borders.insert(street.id) {
+                    let at = shared.copied().unwrap_or(origin);
+                    let street = street.moved(origin.offset_to(at));
+                    put_street(&mut out, at, PlacedStreet { street, made_by: None });
+                }
+            }
+            for (i, cell) in town.town.cells.iter().enumerate() {
+                if !Bounds::of(cell.border.iter().copied()).moved(origin.plan()).overlaps(bounds) {
+                    continue;
+                }
+                cancel.check()?;
+                for local in &self.streets(&town, i, cancel)?.streets {
+                    let placed = PlacedStreet { street: local.street.clone(), made_by: Some(local.made_by) };
+                    put_street(&mut out, origin, placed);
+                }
+                out.cells.push((town.clone(), i));
+            }
+            out.settlements.push(settlement);
+        }
+        out.streets.sort_by_key(|s| s.item.street.id);
+        out.junctions.sort_by_key(|j| j.item.id);
+        Ok(out)
+    }
+}

@@ -1,0 +1,84 @@
+//! A town with its seams, and how much memory what a stack makes takes.
+
+use super::kits::{Blend, CellStyle};
+use crate::layer::Weigh;
+use crate::network::{Junction, JunctionId, Network, StreetId};
+use crate::parcel::CellParcels;
+use crate::seam::{self, Seam};
+use crate::space::Origin;
+use crate::streets::{CellStreets, PinnedPatch};
+use crate::town::Town;
+use glam::DVec2;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A town with its seams.
+#[derive(Clone, Debug)]
+pub struct SeamedTown {
+    /// Main streets and main cells.
+    pub town: Arc<Town>,
+    /// What each main cell is filled with.
+    pub cells: Vec<CellStyle>,
+    /// Seams, one for each main street.
+    pub seams: Vec<Seam>,
+    /// The main streets divided at the ports.
+    pub mains: Network,
+    /// Streets of `mains` that run along a border, which another town has, too, with the border's origin.
+    pub shared: BTreeMap<StreetId, Origin>,
+}
+
+/// A town's plan with the styles of its main cells.
+pub(super) struct Planned {
+    pub town: Arc<Town>,
+    /// For each main cell the blend of styles, and the style that it gives.
+    pub cells: Vec<(Blend, CellStyle)>,
+}
+
+impl Weigh for Town {
+    fn bytes(&self) -> usize {
+        let point = size_of::<DVec2>();
+        let cells: usize = self.cells.iter().map(|c| 200 + c.border.len() * point).sum();
+        let mains: usize = self.mains.iter().map(|m| 200 + m.street.line.len() * point).sum();
+        cells + mains + self.outline.polygon.len() * point
+    }
+}
+
+impl Weigh for Planned {
+    fn bytes(&self) -> usize {
+        let cells = self.cells.iter().map(|(_, cell)| 200 + weigh_style(cell));
+        self.town.bytes() + cells.sum::<usize>()
+    }
+}
+
+impl Weigh for SeamedTown {
+    fn bytes(&self) -> usize {
+        let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
+        let shared = self.shared.len() * 48;
+        let cells: usize = self.cells.iter().map(weigh_style).sum();
+        cells + ports + shared + weigh_network(&self.mains)
+    }
+}
+
+impl Weigh for CellStreets {
+    fn bytes(&self) -> usize {
+        let streets: usize = self.streets.iter().map(|s| 120 + s.street.line.len() * size_of::<DVec2>()).sum();
+        streets + self.junctions.len() * size_of::<Junction>() + self.unmet.len() * size_of::<JunctionId>()
+    }
+}
+
+impl Weigh for CellParcels {
+    fn bytes(&self) -> usize {
+        let points = self.blocks.iter().map(|b| &b.polygon).chain(self.lots.iter().map(|l| &l.polygon));
+        points.chain(self.footprints.iter().map(|f| &f.polygon)).map(|p| 64 + p.len() * size_of::<DVec2>()).sum()
+    }
+}
+
+fn weigh_style(cell: &CellStyle) -> usize {
+    // A mixed style is the cell's own.
+    700 + 8 * cell.weights.len() + size_of::<PinnedPatch>() * cell.pinned.len()
+}
+
+fn weigh_network(network: &Network) -> usize {
+    let streets: usize = network.streets.iter().map(|s| 112 + s.line.len() * size_of::<DVec2>()).sum();
+    streets + network.junctions.len() * size_of::<Junction>()
+}

@@ -1,0 +1,42 @@
+//! What fills the main cells, and how often single patches are used.
+
+use crate::layer::RangeError;
+use serde::{Deserialize, Serialize};
+
+/// What fills the main cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Filler {
+    /// Patches chosen by their semantics, with parametric growth where none fits (Teng 2017).
+    #[default]
+    SemanticPatches,
+}
+
+/// How often a patch is used in a settlement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatchCount {
+    /// Name of the patch.
+    pub patch: String,
+    /// Number of main cells in which it stands in any case, as far as there are cells that have room for it.
+    #[serde(default)]
+    pub at_least: u32,
+    /// Greatest number of times that it is used in the settlement, once in a main cell; no limit when not given.
+    #[serde(default)]
+    pub at_most: Option<u32>,
+    /// What its weight is multiplied by: 0 to 1000.
+    #[serde(default = "one")]
+    pub weight: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl PatchCount {
+    /// Checks that every value lies in its range; the error names the field.
+    pub(super) fn check(&self) -> Result<(), RangeError> {
+        RangeError::check("weight", self.weight, 0.0, 1000.0)?;
+        let Some(most) = self.at_most else { return Ok(()) };
+        RangeError::check("at_most", most.into(), self.at_least.into(), f64::from(u32::MAX))
+    }
+}

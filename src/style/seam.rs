@@ -1,0 +1,51 @@
+//! Rules of seams.
+
+use super::mix::Blend;
+use crate::layer::RangeError;
+use serde::{Deserialize, Serialize};
+
+/// How local streets attach to main streets. Lengths in metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SeamRules {
+    /// Distance between attachment points of one side.
+    pub spacing: f64,
+    /// Greatest deviation of a point from even spacing, as a share of the spacing.
+    pub jitter: f64,
+    /// Least distance between two attachment points, and to the ends of the main street.
+    pub min_spacing: f64,
+    /// Distance along the street, as a share of the spacing (0 to 0.5), up to which points of the two sides become one crossing:
+    /// with little of it most are T-junctions.
+    pub crossing: f64,
+    /// Number of attachment points (0 to 2) that every main cell gets at least, where there is room.
+    pub least: u32,
+}
+
+impl Default for SeamRules {
+    fn default() -> Self {
+        Self { spacing: 95.0, jitter: 0.2, min_spacing: 36.0, crossing: 0.4, least: 2 }
+    }
+}
+
+impl SeamRules {
+    /// Checks that every value lies in its range; the error names the field.
+    pub(super) fn check(&self) -> Result<(), RangeError> {
+        let range = RangeError::check;
+        range("spacing", self.spacing, 30.0, 1000.0)?;
+        range("jitter", self.jitter, 0.0, 0.45)?;
+        range("min_spacing", self.min_spacing, 30.0, self.spacing.max(30.0))?;
+        range("crossing", self.crossing, 0.0, 0.5)?;
+        range("least", self.least.into(), 0.0, 2.0)
+    }
+
+    /// The rules between `a` and `b`.
+    pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
+        Self {
+            spacing: blend.number(a.spacing, b.spacing),
+            jitter: blend.number(a.jitter, b.jitter),
+            min_spacing: blend.number(a.min_spacing, b.min_spacing),
+            crossing: blend.number(a.crossing, b.crossing),
+            least: blend.counts((a.least, a.least), (b.least, b.least)).0,
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Layer 12: the face of layers 1 to 11. A [`World`] is made from a [`WorldSource`], the five inputs, and gives chunks, meshes
+//! and answers. What changes when an input changes is found here, too.
+
+mod area;
+mod assets;
+mod changed;
+mod generator;
+mod route;
+mod settings;
+mod source;
+
+pub use area::{Area, Owned};
+pub use assets::{WorldAssets, WorldError};
+pub use changed::changed_by_edits;
+pub use generator::{NearestStreet, World};
+pub use route::Route;
+pub use settings::{CacheSettings, Settings};
+pub use source::{TerrainSource, WorldSource};
