@@ -7,7 +7,7 @@ use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, Stream};
-use bevy_sprawl::world::{Settings, World, WorldAssets, WorldSource, changed_by_edits};
+use bevy_sprawl::world::{World, WorldAssets, WorldSource, changed_by_edits};
 use glam::DVec2;
 use std::collections::BTreeSet;
 use std::sync::{Arc, LazyLock};

@@ -15,7 +15,6 @@ use bevy_sprawl::town::MainStreet;
 use bevy_sprawl::world::{Settings, TerrainSource, World, WorldSource};
 use glam::DVec2;
 use proptest::prelude::*;
-use std::sync::Arc;
 
 fn world(seed: u64, settings: &Settings) -> World {
     World::new(WorldSource { settings: settings.clone(), ..WorldSource::new(Seed(seed)) }).expect("settings are valid")
