@@ -1,28 +1,28 @@
 //! What the world is streamed around.
 
-use super::origin::{SprawlOrigin, to_plan};
-use super::param::spawn_point;
+use super::frame_time::Stopwatch;
+use super::origin::SprawlOrigin;
 use super::schedule::SprawlSystems;
-use super::source::SprawlWorld;
-use super::streaming::{StreamSettings, Streaming};
+use super::stream_settings::StreamSettings;
 use bevy::prelude::*;
 use glam::DVec2;
 
 /// Chunks are loaded around an entity with this component: the player, a camera, a server's client. There may be any
-/// number; a chunk is loaded while any of them wants it.
+/// number of anchors; a chunk is loaded while at least one of them wants it.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform, AnchorMotion)]
 pub struct StreamAnchor {
-    /// Chunks that come within so many metres are loaded.
+    /// Chunks within this distance are loaded, in metres, 0 to 50,000.
     pub load_radius: f32,
-    /// Chunks farther away than so many metres are unloaded. More than `load_radius`, so that walking to and fro over a
-    /// border does not load and unload the same chunks.
+    /// Chunks beyond this distance are unloaded, in metres, up to 50,000. It is larger than `load_radius`, so that walking
+    /// to and fro over a border does not load and unload the same chunks.
     pub unload_radius: f32,
-    /// Chunks within so many metres are shown in full detail, the others with less.
+    /// Chunks within this distance are shown in full detail, in metres; the others in reduced detail.
     pub detail_radius: f32,
-    /// An anchor that is a root and has an untouched transform when there is first a world is put at eye height on a
-    /// street, as [`Sprawl::spawn_point`](super::Sprawl::spawn_point) finds it. Unset it to begin at Bevy's origin.
+    /// Whether the plugin puts the anchor on a street as soon as there is a world. It does so only if the anchor has no
+    /// parent and its transform is still the default. Then the anchor stands at eye height on the street that
+    /// [`Sprawl::spawn_point`](super::Sprawl::spawn_point) finds. Set it to false to begin at Bevy's origin.
     pub start_on_street: bool,
 }
 
@@ -39,7 +39,7 @@ impl StreamAnchor {
         Self { load_radius, unload_radius, detail_radius, ..default() }
     }
 
-    /// The radii with values that make no sense mended: (load, unload, detail).
+    /// The radii (load, unload, detail), with values that make no sense replaced.
     fn radii(&self) -> (f64, f64, f64) {
         let metres = |r: f32| if r.is_finite() { f64::from(r).clamp(0.0, 50_000.0) } else { 0.0 };
         let load = metres(self.load_radius);
@@ -47,14 +47,14 @@ impl StreamAnchor {
     }
 }
 
-/// How an anchor moves, as the plugin sees it. Kept up to date by the plugin; for reading.
+/// How an anchor moves. The plugin keeps it up to date; games only read it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct AnchorMotion {
     /// Smoothed velocity in the plan (x east, y north), in metres per second.
     pub velocity: DVec2,
     last: Option<DVec2>,
-    started: bool,
+    pub(super) started: bool,
 }
 
 /// An anchor in the plan.
@@ -64,61 +64,45 @@ pub(super) struct AnchorView {
     pub at: DVec2,
     /// Where it will be in a moment.
     pub ahead: DVec2,
+    /// The radii of [`StreamAnchor`], in metres.
     pub load: f64,
     pub unload: f64,
     pub detail: f64,
 }
 
+/// All anchors of this frame.
+#[derive(Resource, Default, Deref, DerefMut)]
+pub(super) struct Anchors(Vec<AnchorView>);
+
 pub(super) struct AnchorPlugin;
 
 impl Plugin for AnchorPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(StreamAnchor, AnchorMotion)>()
-            .add_systems(PostUpdate, (start_on_street, read_anchors).chain().in_set(SprawlSystems::Anchors));
+        app.init_resource::<Anchors>()
+            .register_type::<(StreamAnchor, AnchorMotion)>()
+            .add_systems(PostUpdate, read_anchors.in_set(SprawlSystems::Anchors));
     }
 }
 
-/// Height of the eyes over the ground, in metres.
-const EYES: f32 = 1.7;
-
-fn start_on_street(
-    world: Option<Res<SprawlWorld>>,
-    origin: Res<SprawlOrigin>,
-    mut anchors: Query<(&StreamAnchor, &mut AnchorMotion, &mut Transform, Has<ChildOf>)>,
-) {
-    let Some(world) = world.as_ref().and_then(|w| w.get()) else { return };
-    for (anchor, mut motion, mut transform, is_child) in &mut anchors {
-        if motion.started {
-            continue;
-        }
-        motion.started = true;
-        if anchor.start_on_street
-            && !is_child
-            && *transform == Transform::IDENTITY
-            && let Some(start) = spawn_point(world, *origin, origin.to_plan(Vec3::ZERO))
-        {
-            *transform = start.eye(EYES);
-        }
-    }
-}
-
-/// Seconds over which the velocity of an anchor is smoothed.
+/// The velocity of an anchor is smoothed over this time, in seconds.
 const SMOOTHING: f64 = 0.3;
 
-/// What moves faster, in metres per second, has been put elsewhere and does not go on.
+/// An anchor that moves faster than this, in metres per second, has been teleported: it will not go on.
 const FASTEST: f64 = 2_000.0;
 
-/// Transforms are read through their parents, since global transforms are those of the last frame.
+/// Reads transforms through their parents, since global transforms are those of the last frame.
 pub(super) fn read_anchors(
+    mut stopwatch: Stopwatch,
     time: Option<Res<Time>>,
     origin: Res<SprawlOrigin>,
     settings: Res<StreamSettings>,
-    mut streaming: ResMut<Streaming>,
+    mut views: ResMut<Anchors>,
     transforms: TransformHelper,
     mut anchors: Query<(Entity, &StreamAnchor, &mut AnchorMotion)>,
 ) {
+    let _running = stopwatch.start();
     let seconds = time.map_or(0.0, |t| t.delta_secs_f64());
-    streaming.anchors.clear();
+    views.clear();
     for (entity, anchor, mut motion) in &mut anchors {
         let position = match transforms.compute_global_transform(entity) {
             Ok(transform) => transform.translation(),
@@ -131,7 +115,7 @@ pub(super) fn read_anchors(
             warn_once!("a StreamAnchor is at {position} and loads nothing");
             continue;
         }
-        let at = to_plan(origin.origin(), position);
+        let at = origin.to_plan(position);
         let (load, unload, detail) = anchor.radii();
         let moved = at - motion.last.unwrap_or(at);
         if moved.length() > FASTEST * seconds {
@@ -142,6 +126,6 @@ pub(super) fn read_anchors(
         }
         motion.last = Some(at);
         let ahead = (motion.velocity * f64::from(settings.lookahead_s.max(0.0))).clamp_length_max(load / 2.0);
-        streaming.anchors.push(AnchorView { at, ahead: at + ahead, load, unload, detail });
+        views.push(AnchorView { at, ahead: at + ahead, load, unload, detail });
     }
 }

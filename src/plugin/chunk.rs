@@ -1,7 +1,7 @@
 //! The entity of a chunk: its components, and the messages about its life.
 //!
-//! A chunk is a root entity with its meshes as children, placed at its south-west corner at height 0. Entities of a
-//! game may be added as further children: they go when the chunk is unloaded.
+//! A chunk is a root entity at its south-west corner and height 0, with its meshes as children. A game may add further
+//! children; they are despawned with the chunk.
 
 use crate::chunk::Chunk;
 use crate::mesh::Detail;
@@ -13,74 +13,77 @@ use std::sync::Arc;
 
 impl_reflect_opaque!((in bevy_sprawl::space) ChunkCoord(Component, Default, Debug, PartialEq, Hash, Clone));
 
-/// On the entity of every chunk.
+/// The name of a chunk. Every chunk entity has it.
 impl Component for ChunkCoord {
     const STORAGE_TYPE: StorageType = StorageType::Table;
     type Mutability = Immutable;
 }
 
-/// What is being done for a chunk.
+/// How far a chunk is.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Hash, Clone)]
 pub enum ChunkStatus {
-    /// It waits for its turn; there is nothing to see yet.
+    /// It waits for its turn. It shows nothing yet.
     #[default]
     Queued,
-    /// It is being made; there is nothing to see yet.
+    /// It is being made. It shows nothing yet.
     Building,
-    /// It is there.
+    /// It is loaded.
     Ready,
-    /// It is there, and is being made again, in another detail or from changed assets. What is there stays until then.
+    /// It is loaded, and is being made again in another detail or from changed inputs. It shows its old state until then.
     Refreshing,
-    /// It could not be made; [`ChunkFailed`] says why. It is tried again when it is next wanted, and in the next world.
+    /// It could not be made; [`ChunkFailed`] says why. It is tried again when it comes back into reach, and in the next
+    /// world.
     Failed,
 }
 
 impl ChunkStatus {
-    /// Whether ground, streets and buildings are there.
+    /// Whether the chunk is loaded: its ground, streets and buildings are there.
     pub fn is_there(self) -> bool {
         matches!(self, Self::Ready | Self::Refreshing)
     }
 }
 
-/// What a chunk is made of: streets, lots, buildings, the ground. On the entity while the chunk is there.
+/// The content of a chunk: streets, lots, buildings, the ground. The entity has it while the chunk is loaded.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(immutable)]
 pub struct ChunkData(pub Arc<Chunk>);
 
-/// Detail of the meshes that a chunk shows. On the entity while the chunk is there.
+/// The detail of the meshes that a chunk shows. The entity has it while the chunk is loaded.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(immutable)]
 pub struct ChunkDetail(pub Detail);
 
-/// A chunk is there. Sent as a message, and as an event on its entity, once its meshes and [`ChunkData`] are in place.
+/// A chunk has been loaded, or made again. Sent as a message, and as an event on its entity, once its meshes and
+/// [`ChunkData`] are in place.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChunkReady {
-    /// Its entity.
+    /// The entity of the chunk.
     pub entity: Entity,
-    /// Its name.
+    /// The name of the chunk.
     pub coord: ChunkCoord,
-    /// Detail of its meshes.
+    /// The detail of its meshes.
     pub detail: Detail,
-    /// Whether it was not there before: false when its meshes were replaced.
+    /// Whether it was not loaded before. False when its meshes were replaced.
     pub first: bool,
 }
 
-/// A chunk goes. The event on its entity comes while everything is still in place; the message when it is gone.
+/// A chunk is unloaded. The event on its entity comes while everything is still in place, the message once the entity is
+/// gone.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChunkUnloaded {
-    /// Its entity.
+    /// The entity of the chunk.
     pub entity: Entity,
-    /// Its name.
+    /// The name of the chunk.
     pub coord: ChunkCoord,
 }
 
 /// A chunk could not be made. Sent as a message, and as an event on its entity.
 #[derive(Message, EntityEvent, Clone, Debug, PartialEq, Eq)]
 pub struct ChunkFailed {
-    /// Its entity.
+    /// The entity of the chunk.
     pub entity: Entity,
-    /// Its name.
+    /// The name of the chunk.
     pub coord: ChunkCoord,
     /// Why, in one line.
     pub reason: String,

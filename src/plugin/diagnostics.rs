@@ -1,17 +1,18 @@
 //! Figures about streaming, as a resource and as Bevy diagnostics.
 
+use super::frame_time::FrameTime;
 use super::schedule::SprawlSystems;
-use super::streaming::Streaming;
+use super::streaming::{ChunkIndex, Scheduler};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
-/// Number of chunks that are there.
+/// Number of loaded chunks.
 pub const DIAGNOSTIC_CHUNKS_LOADED: DiagnosticPath = DiagnosticPath::const_new("sprawl/chunks_loaded");
 /// Number of tasks in flight.
 pub const DIAGNOSTIC_TASKS_IN_FLIGHT: DiagnosticPath = DiagnosticPath::const_new("sprawl/tasks_in_flight");
-/// Milliseconds of this frame for applying and removing chunks.
+/// Milliseconds of the frame for applying and removing chunks.
 pub const DIAGNOSTIC_APPLY_MS: DiagnosticPath = DiagnosticPath::const_new("sprawl/apply_ms");
-/// Milliseconds of this frame for all of the plugin's work on the main thread.
+/// Milliseconds of the frame for all systems of the plugin.
 pub const DIAGNOSTIC_MAIN_THREAD_MS: DiagnosticPath = DiagnosticPath::const_new("sprawl/main_thread_ms");
 /// Number of chunks made since the start.
 pub const DIAGNOSTIC_CHUNKS_MADE: DiagnosticPath = DiagnosticPath::const_new("sprawl/chunks_made");
@@ -20,21 +21,21 @@ pub const DIAGNOSTIC_CHUNKS_MADE: DiagnosticPath = DiagnosticPath::const_new("sp
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct SprawlStats {
-    /// Chunks that are there.
+    /// Number of loaded chunks.
     pub chunks_loaded: usize,
-    /// Chunks that are wanted and not there yet.
+    /// Number of chunks that are wanted and not loaded yet.
     pub chunks_missing: usize,
-    /// Tasks in flight, those included that were cancelled and have not stopped yet.
+    /// Number of tasks in flight, also those that were cancelled and have not stopped yet.
     pub tasks_in_flight: usize,
-    /// Chunks made since the start.
+    /// Number of chunks made since the start.
     pub chunks_made: u64,
-    /// Chunks that could not be made since the start.
+    /// Number of chunks that could not be made since the start.
     pub chunks_failed: u64,
     /// Mean time to make a chunk with its meshes, in milliseconds of a background thread.
     pub chunk_ms: f32,
-    /// Milliseconds for applying and removing chunks.
+    /// Milliseconds of the frame for applying and removing chunks.
     pub apply_ms: f32,
-    /// Milliseconds for all of the plugin's work on the main thread, applying included.
+    /// Milliseconds of the frame for all systems of the plugin, applying included.
     pub main_thread_ms: f32,
 }
 
@@ -53,22 +54,27 @@ impl Plugin for DiagnosticsPlugin {
     }
 }
 
-fn report(streaming: Res<Streaming>, mut stats: ResMut<SprawlStats>, mut diagnostics: Diagnostics) {
-    let (loaded, missing, tasks) = streaming.load();
-    let counts = streaming.counts;
-    *stats = SprawlStats {
-        chunks_loaded: loaded,
-        chunks_missing: missing,
-        tasks_in_flight: tasks,
-        chunks_made: counts.made,
-        chunks_failed: counts.failed,
-        chunk_ms: (counts.task_seconds * 1000.0 / counts.made.max(1) as f64) as f32,
-        apply_ms: counts.apply_ms,
-        main_thread_ms: counts.frame_ms,
+fn report(
+    mut time: ResMut<FrameTime>,
+    (index, scheduler): (Res<ChunkIndex>, Res<Scheduler>),
+    mut stats: ResMut<SprawlStats>,
+    mut diagnostics: Diagnostics,
+) {
+    let FrameTime { total, apply } = std::mem::take(&mut *time);
+    let now = SprawlStats {
+        chunks_loaded: index.loaded(),
+        chunks_missing: index.missing(),
+        tasks_in_flight: scheduler.tasks_in_flight(&index),
+        chunks_made: scheduler.made,
+        chunks_failed: scheduler.failed,
+        chunk_ms: (scheduler.task_seconds * 1000.0 / scheduler.made.max(1) as f64) as f32,
+        apply_ms: apply.as_secs_f32() * 1000.0,
+        main_thread_ms: total.as_secs_f32() * 1000.0,
     };
-    diagnostics.add_measurement(&DIAGNOSTIC_CHUNKS_LOADED, || loaded as f64);
-    diagnostics.add_measurement(&DIAGNOSTIC_TASKS_IN_FLIGHT, || tasks as f64);
-    diagnostics.add_measurement(&DIAGNOSTIC_APPLY_MS, || f64::from(counts.apply_ms));
-    diagnostics.add_measurement(&DIAGNOSTIC_MAIN_THREAD_MS, || f64::from(counts.frame_ms));
-    diagnostics.add_measurement(&DIAGNOSTIC_CHUNKS_MADE, || counts.made as f64);
+    *stats = now;
+    diagnostics.add_measurement(&DIAGNOSTIC_CHUNKS_LOADED, || now.chunks_loaded as f64);
+    diagnostics.add_measurement(&DIAGNOSTIC_TASKS_IN_FLIGHT, || now.tasks_in_flight as f64);
+    diagnostics.add_measurement(&DIAGNOSTIC_APPLY_MS, || f64::from(now.apply_ms));
+    diagnostics.add_measurement(&DIAGNOSTIC_MAIN_THREAD_MS, || f64::from(now.main_thread_ms));
+    diagnostics.add_measurement(&DIAGNOSTIC_CHUNKS_MADE, || now.chunks_made as f64);
 }

@@ -1,7 +1,9 @@
-//! Lines that show what is going on: chunk borders, street centre lines, ports. Off by default.
+//! Debug lines: chunk borders, centre lines of streets, ports. Off by default.
 
 use super::chunk::{ChunkData, ChunkStatus};
-use super::origin::{SprawlOrigin, chunk_translation};
+use super::frame_time::Stopwatch;
+use super::origin::SprawlOrigin;
+use super::source::SprawlSource;
 use crate::chunk::Chunk;
 use crate::network::{JunctionId, StreetClass};
 use crate::space::ChunkCoord;
@@ -12,7 +14,7 @@ use bevy::prelude::*;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is drawn, and in which colour; `None` leaves it out. The group is off by default:
+/// The colours of the debug lines; `None` leaves lines out. The group is off by default. To switch it on:
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -24,9 +26,9 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, PartialEq, Reflect, GizmoConfigGroup)]
 #[reflect(Default)]
 pub struct SprawlGizmos {
-    /// Borders of chunks that are there.
+    /// Borders of loaded chunks.
     pub chunk_borders: Option<Color>,
-    /// Borders of chunks that are not there yet.
+    /// Borders of chunks that are wanted and not loaded yet.
     pub missing_borders: Option<Color>,
     /// Centre lines of roads and main streets.
     pub main_streets: Option<Color>,
@@ -53,7 +55,7 @@ pub(super) struct GizmosPlugin;
 impl Plugin for GizmosPlugin {
     fn build(&self, _: &mut App) {}
 
-    /// Last, since without Bevy's own plugin gizmos cannot be drawn.
+    /// Runs after all plugins are added, since gizmos need Bevy's own plugin.
     fn finish(&self, app: &mut App) {
         if app.is_plugin_added::<GizmoPlugin>() {
             let config = GizmoConfig { enabled: false, depth_bias: -0.005, ..default() };
@@ -68,17 +70,19 @@ impl Plugin for GizmosPlugin {
 const LIFT: f64 = 1.5;
 
 fn draw(
+    mut stopwatch: Stopwatch,
     mut gizmos: Gizmos<SprawlGizmos>,
     store: Res<GizmoConfigStore>,
     origin: Res<SprawlOrigin>,
     chunks: Query<(&ChunkCoord, &Transform, &ChunkStatus, Option<&ChunkData>)>,
-    source: Res<super::source::SprawlSource>,
+    source: Res<SprawlSource>,
 ) {
+    let _running = stopwatch.start();
     let (_, colours) = store.config::<SprawlGizmos>();
     let edge = source.settings.chunk_size as f32;
     for (coord, transform, status, data) in &chunks {
         let Some(ChunkData(chunk)) = data else {
-            let corner = chunk_translation(origin.origin(), *coord, source.settings.chunk_size);
+            let corner = origin.chunk_translation(*coord, source.settings.chunk_size);
             if let (Some(colour), false) = (colours.missing_borders, status.is_there()) {
                 let centre = corner + Vec3::new(edge / 2.0, 0.0, -edge / 2.0);
                 gizmos.rect(

@@ -1,7 +1,17 @@
 //! The Bevy plugin: streams the world around anchors as entities, with assets, messages, gizmos and diagnostics.
 //!
-//! Layer 10: reads chunks and meshes through [`World`](crate::world::World); padding 0. [`SprawlPlugin`] only composes
-//! the small plugins of the files beside it; each can be read alone.
+//! The layer above [`World`](crate::world::World), from which it takes chunks and meshes. [`SprawlPlugin`] only composes
+//! the small plugins of the files beside it, each of which can be read alone:
+//!
+//! | file | has |
+//! |---|---|
+//! | `schedule`, `frame_time` | the order of all systems, and the time they take |
+//! | `source`, `depends`, `regenerate` | the inputs of the world; making the next world when they change, and what it leaves as it is |
+//! | `assets`, `rejected_edits` | inputs from files |
+//! | `origin`, `anchor`, `shift` | coordinates, what the world is streamed around, moving the origin |
+//! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks, their meshes and materials, how they come and go |
+//! | `queries`, `spawn_point`, `start` | what games ask the world |
+//! | `diagnostics`, `gizmos` | what is going on |
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -17,19 +27,26 @@
 //! }
 //! ```
 //!
-//! It needs no renderer: with `MinimalPlugins` and `AssetPlugin` the same chunks come and go, without meshes.
+//! The plugin needs no renderer: with `MinimalPlugins` and `AssetPlugin` the same chunks come and go, without meshes.
 
 mod anchor;
 mod appearance;
 mod assets;
 mod chunk;
+mod depends;
 mod diagnostics;
+mod frame_time;
 mod gizmos;
 mod origin;
-mod param;
-mod rejected;
+mod queries;
+mod regenerate;
+mod rejected_edits;
 mod schedule;
+mod shift;
 mod source;
+mod spawn_point;
+mod start;
+mod stream_settings;
 mod streaming;
 
 pub use crate::world::TerrainSource;
@@ -42,12 +59,14 @@ pub use diagnostics::{
     DIAGNOSTIC_TASKS_IN_FLIGHT, SprawlStats,
 };
 pub use gizmos::SprawlGizmos;
-pub use origin::{OriginSettings, OriginShifted, ShiftsWithOrigin, SprawlOrigin};
-pub use param::{SpawnPoint, Sprawl};
-pub use rejected::{EditRejected, RejectedEdits};
+pub use origin::SprawlOrigin;
+pub use queries::Sprawl;
+pub use rejected_edits::{EditRejected, RejectedEdits};
 pub use schedule::SprawlSystems;
+pub use shift::{OriginSettings, OriginShifted, ShiftsWithOrigin};
 pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
-pub use streaming::StreamSettings;
+pub use spawn_point::SpawnPoint;
+pub use stream_settings::StreamSettings;
 
 use crate::edits::Edits;
 use crate::space::Seed;
@@ -55,22 +74,23 @@ use crate::terrain::Terrain;
 use crate::world::{Settings, WorldAssets, WorldSource};
 use bevy::prelude::*;
 use glam::DVec2;
+use source::AwaitedFiles;
 
 /// Where the styles and patch sets of a world come from.
 #[derive(Clone, Debug, Default)]
 pub enum AssetOrigin {
-    /// Those that come with the crate.
+    /// The files that come with the crate.
     #[default]
     Bundled,
-    /// These.
+    /// Values that a game gives.
     Given(WorldAssets),
-    /// The `*.ron` files in `styles/` and `patches/` of a folder of Bevy's asset server, over the bundled ones: a file
-    /// replaces the bundled style or patch set of the same name. Saved files are reloaded when Bevy watches its asset
-    /// folder (its feature `file_watcher`), or on [`AssetServer::reload`].
+    /// The `*.ron` files in `styles/` and `patches/` of a folder of Bevy's asset server. A file replaces the bundled style
+    /// or patch set of the same name; the other bundled ones stay. Saved files are loaded again when Bevy watches its
+    /// asset folder (its feature `file_watcher`), or on [`AssetServer::reload`].
     Folder(String),
 }
 
-/// The whole plugin. Add it after `DefaultPlugins` (or after `AssetPlugin` in an app without a renderer).
+/// The whole plugin. Add it after `DefaultPlugins`, or after `AssetPlugin` in an app without a renderer.
 #[derive(Clone, Debug, Default)]
 pub struct SprawlPlugin {
     /// The seed of the world.
@@ -81,14 +101,14 @@ pub struct SprawlPlugin {
     pub streaming: StreamSettings,
     /// Styles and patch sets.
     pub assets: AssetOrigin,
-    /// Wishes for settlements and roads.
+    /// Wishes for settlements, roads and patches.
     pub edits: Edits,
-    /// A file of Bevy's asset server that the wishes come from instead. A saved file is loaded again as those of
-    /// [`AssetOrigin::Folder`] are; one with a mistake is refused ([`AssetRejected`]), and the last good one stays.
+    /// A file of Bevy's asset server that the wishes come from instead. A saved file is loaded again like the files of
+    /// [`AssetOrigin::Folder`]. A file with a mistake is refused ([`AssetRejected`]), and its last good version stays.
     pub edits_file: Option<String>,
     /// The ground.
     pub terrain: TerrainSource,
-    /// Plan point (x east, y north, metres) that Bevy's origin starts near; it is rounded to a chunk's corner.
+    /// The plan point (x east, y north, metres) that Bevy's origin begins near. It is rounded to the corner of a chunk.
     pub start: DVec2,
 }
 
@@ -98,28 +118,28 @@ impl SprawlPlugin {
         Self { seed: Seed(seed), ..default() }
     }
 
-    /// The same with other settings of the generator.
+    /// Sets the settings of the generator.
     pub fn settings(self, settings: Settings) -> Self {
         Self { settings, ..self }
     }
 
-    /// The same with styles and patch sets from a folder of Bevy's asset server: [`AssetOrigin::Folder`].
+    /// Takes styles and patch sets from a folder of Bevy's asset server: [`AssetOrigin::Folder`].
     pub fn assets_from(self, folder: impl Into<String>) -> Self {
         Self { assets: AssetOrigin::Folder(folder.into()), ..self }
     }
 
-    /// The same with wishes for settlements and roads.
+    /// Sets the wishes for settlements, roads and patches.
     pub fn edits(self, edits: Edits) -> Self {
         Self { edits, ..self }
     }
 
-    /// The same with wishes for settlements and roads from a file of Bevy's asset server, whose changes are followed while
-    /// the game runs: `edits_from("my.edits.ron")`.
+    /// Takes the wishes for settlements, roads and patches from a file of Bevy's asset server:
+    /// `edits_from("my.edits.ron")`. Changes of the file are followed while the game runs.
     pub fn edits_from(self, file: impl Into<String>) -> Self {
         Self { edits_file: Some(file.into()), ..self }
     }
 
-    /// The same on a ground of your own; [`Settings::terrain`] is not used.
+    /// Sets a ground of the game's own; [`Settings::terrain`] is not used.
     ///
     /// ```
     /// use bevy_sprawl::prelude::*;
@@ -139,7 +159,7 @@ impl SprawlPlugin {
     /// # app.add_plugins((bevy::prelude::MinimalPlugins, bevy::prelude::AssetPlugin::default(), plugin));
     /// # let made = app.world().resource::<bevy_sprawl::plugin::SprawlWorld>().get().unwrap();
     /// # assert_eq!(made.terrain().height(glam::DVec2::ZERO), 20.0);
-    /// // While the game runs:
+    /// // While the game runs, another ground makes another world:
     /// fn flood(mut source: bevy::prelude::ResMut<SprawlSource>) {
     ///     source.terrain = TerrainSource::own(Dunes);
     /// }
@@ -148,7 +168,7 @@ impl SprawlPlugin {
         Self { terrain: TerrainSource::own(terrain), ..self }
     }
 
-    /// The same with Bevy's origin near a plan point.
+    /// Puts Bevy's origin near a plan point (x east, y north, metres).
     pub fn starting_at(self, start: DVec2) -> Self {
         Self { start, ..self }
     }
@@ -162,21 +182,25 @@ impl Plugin for SprawlPlugin {
             AssetOrigin::Folder(folder) => (WorldAssets::bundled(), Some(folder.clone())),
         };
         let (settings, edits, terrain) = (self.settings.clone(), self.edits.clone(), self.terrain.clone());
-        app.insert_resource(SprawlSource(WorldSource { seed: self.seed, settings, assets, edits, terrain }))
-            .insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size))
-            .insert_resource(self.streaming.clone())
-            .add_plugins((
-                schedule::SchedulePlugin,
-                chunk::ChunkPlugin,
-                anchor::AnchorPlugin,
-                origin::OriginPlugin,
-                streaming::StreamingPlugin,
-                appearance::AppearancePlugin,
-                source::SourcePlugin { hold_assets: folder.is_some(), hold_edits: self.edits_file.is_some() },
-                rejected::RejectedPlugin,
-                assets::AssetsPlugin { folder, edits: self.edits_file.clone() },
-                diagnostics::DiagnosticsPlugin,
-                gizmos::GizmosPlugin,
-            ));
+        let awaited = AwaitedFiles { assets: folder.is_some(), edits: self.edits_file.is_some() };
+        app.insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size)).add_plugins((
+            schedule::SchedulePlugin,
+            frame_time::FrameTimePlugin,
+            source::SourcePlugin {
+                source: WorldSource { seed: self.seed, settings, assets, edits, terrain },
+                awaited,
+            },
+            assets::AssetsPlugin { folder, edits: self.edits_file.clone() },
+            chunk::ChunkPlugin,
+            appearance::AppearancePlugin,
+            anchor::AnchorPlugin,
+            start::StartPlugin,
+            shift::ShiftPlugin,
+            streaming::StreamingPlugin { settings: self.streaming.clone() },
+            regenerate::RegeneratePlugin,
+            rejected_edits::RejectedEditsPlugin,
+            diagnostics::DiagnosticsPlugin,
+            gizmos::GizmosPlugin,
+        ));
     }
 }

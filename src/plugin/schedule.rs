@@ -3,20 +3,32 @@
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
-/// What the plugin does each frame: sets in `PostUpdate`, in this order, all before Bevy propagates transforms. So
-/// anchors may move in `Update`, and a chunk that is applied is drawn in the same frame.
+/// The steps of the plugin in each frame. They are sets of `PostUpdate`, run in this order, and all run before Bevy
+/// propagates transforms. So a game may move its anchors in `Update`, and a chunk is drawn in the frame in which its
+/// entity gets its meshes.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SprawlSystems {
-    /// Takes up changed assets and settings, and makes a new world from them in the background.
+    /// Takes up changed assets, edits and settings, and makes a new world from them in the background.
     World,
-    /// Reads where anchors are and how they move, and shifts the origin when they are far from it.
+    /// Reads where the anchors are and how they move. Shifts the origin when they are far from it.
     Anchors,
-    /// Decides which chunks are wanted, cancels stale work, starts new work.
+    /// Decides which chunks are wanted, cancels stale tasks and starts new ones.
     Stream,
-    /// Turns finished work into entities and removes those that are not wanted, within the frame's budget.
+    /// Gives finished chunks to their entities and removes unwanted chunks, within the frame's budget.
     Apply,
     /// Measures.
     Report,
+}
+
+/// The steps within [`SprawlSystems::World`], run in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum WorldSystems {
+    /// Puts loaded files into the source of the world.
+    Load,
+    /// Makes the next world, and replaces the current one.
+    Regenerate,
+    /// Looks for edits that the current world cannot fulfil.
+    Check,
 }
 
 pub(super) struct SchedulePlugin;
@@ -24,9 +36,11 @@ pub(super) struct SchedulePlugin;
 impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
         use SprawlSystems::{Anchors, Apply, Report, Stream, World};
+        use WorldSystems::{Check, Load, Regenerate};
         app.configure_sets(
             PostUpdate,
             (World, Anchors, Stream, Apply, Report).chain().before(TransformSystems::Propagate),
-        );
+        )
+        .configure_sets(PostUpdate, (Load, Regenerate, Check).chain().in_set(World));
     }
 }

@@ -1,11 +1,11 @@
-//! The file that edits are loaded from, and loaded again from when it is saved.
+//! The file that edits come from. It is loaded again when it is saved.
 
-use super::AssetRejected;
-use super::folder::reject;
 use super::loader::read;
-use crate::edits::{Edits, RejectedEdit};
+use super::rejection::{AssetRejected, report_load_error};
 use crate::layer::FileError;
-use crate::plugin::source::{Making, SprawlSource};
+use crate::plugin::frame_time::Stopwatch;
+use crate::plugin::source::{AwaitedFiles, SprawlSource};
+use crate::edits::{Edits, RejectedEdit};
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoadFailedEvent, AssetLoader, LoadContext};
 use bevy::prelude::*;
@@ -13,7 +13,7 @@ use bevy::prelude::*;
 /// A file of edits as an asset: `load::<EditsFile>("my.edits.ron")`.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct EditsFile {
-    /// What it says.
+    /// The edits.
     pub edits: Edits,
     file: String,
     text: String,
@@ -26,7 +26,7 @@ impl EditsFile {
         Ok(Self { edits: Edits::from_ron(&file, &text)?, file, text })
     }
 
-    /// An edit of it that a world cannot fulfil, with its line and column.
+    /// The place in the file of an edit that a world cannot fulfil.
     pub fn locate(&self, rejected: &RejectedEdit) -> FileError {
         rejected.in_file(&self.file, &self.text)
     }
@@ -61,7 +61,7 @@ impl AssetLoader for EditsLoader {
 #[derive(Resource)]
 pub struct SprawlEdits {
     handle: Handle<EditsFile>,
-    /// The last good one.
+    /// The last good version.
     last: Option<EditsFile>,
 }
 
@@ -75,42 +75,47 @@ impl SprawlEdits {
         &self.handle
     }
 
-    /// The last good file; `None` until there is one.
+    /// The last good version of the file. `None` until there is one.
     pub fn file(&self) -> Option<&EditsFile> {
         self.last.as_ref()
     }
 }
 
-/// Hands over what has been loaded for the first time or again.
+/// Hands over edits that have been loaded for the first time or again.
 pub(super) fn take_edits(
+    mut stopwatch: Stopwatch,
     mut file: ResMut<SprawlEdits>,
     assets: Res<Assets<EditsFile>>,
     mut events: MessageReader<AssetEvent<EditsFile>>,
     mut source: ResMut<SprawlSource>,
-    mut making: ResMut<Making>,
+    mut awaited: ResMut<AwaitedFiles>,
 ) {
-    let own = |e: &AssetEvent<EditsFile>| matches!(e, AssetEvent::Added { id } | AssetEvent::Modified { id } if *id == file.handle.id());
-    if events.read().filter(|e| own(e)).count() == 0 {
+    let _running = stopwatch.start();
+    let file_id = file.handle.id();
+    let is_loaded = |e: &AssetEvent<EditsFile>| matches!(e, AssetEvent::Added { id } | AssetEvent::Modified { id } if *id == file_id);
+    if events.read().filter(|e| is_loaded(e)).count() == 0 {
         return;
     }
     let Some(loaded) = assets.get(&file.handle) else { return };
-    making.hold_edits = false;
+    awaited.edits = false;
     if source.edits != loaded.edits {
         source.edits = loaded.edits.clone();
     }
     file.last = Some(loaded.clone());
 }
 
-/// Tells why a file was refused; the last good one stays.
+/// Reports why a file was refused; its last good version stays.
 pub(super) fn refuse_edits(
+    mut stopwatch: Stopwatch,
     mut commands: Commands,
     file: Res<SprawlEdits>,
     mut failed: MessageReader<AssetLoadFailedEvent<EditsFile>>,
     mut rejected: MessageWriter<AssetRejected>,
-    mut making: ResMut<Making>,
+    mut awaited: ResMut<AwaitedFiles>,
 ) {
+    let _running = stopwatch.start();
     for event in failed.read().filter(|e| e.id == file.handle.id()) {
-        making.hold_edits = false;
-        reject(&mut commands, &mut rejected, &event.path, &event.error);
+        awaited.edits = false;
+        report_load_error(&mut commands, &mut rejected, &event.path, &event.error);
     }
 }

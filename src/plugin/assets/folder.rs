@@ -1,11 +1,13 @@
 //! The folder that styles and patch sets are loaded from.
 
+use super::rejection::{AssetRejected, report, report_load_error};
 use crate::layer::FileError;
 use crate::patch::PatchSet;
-use crate::plugin::source::{Making, SprawlSource};
+use crate::plugin::frame_time::Stopwatch;
+use crate::plugin::source::{AwaitedFiles, SprawlSource};
 use crate::style::Style;
 use crate::world::WorldAssets;
-use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath};
+use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::prelude::*;
 use bevy::tasks::futures_lite::StreamExt;
 use bevy::tasks::{IoTaskPool, Task, futures::check_ready};
@@ -13,38 +15,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A style, a patch set or a file of edits was refused; the last good one of that name stays. Sent as a message and as an event. Bevy's
-/// asset server logs the same.
-#[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
-pub struct AssetRejected {
-    /// The file, as the asset server names it.
-    pub file: String,
-    /// Line, from 1; 0 when the file could not be read at all.
-    pub line: usize,
-    /// Column, from 1; 0 when the file could not be read at all.
-    pub column: usize,
-    /// What is wrong, and what is allowed.
-    pub reason: String,
-}
-
 /// The folder that styles and patch sets are loaded from. Present with
 /// [`AssetOrigin::Folder`](crate::plugin::AssetOrigin::Folder).
 #[derive(Resource)]
 pub struct SprawlFolder {
     path: String,
     bundled: WorldAssets,
-    /// By path, as the asset server writes it.
+    /// The files by their paths, as the asset server writes them.
     styles: BTreeMap<String, Handle<Style>>,
     patch_sets: BTreeMap<String, Handle<PatchSet>>,
-    /// Files that have neither been loaded nor been refused yet.
+    /// Files that have neither been loaded nor refused yet.
     waiting: BTreeSet<String>,
     listing: Option<Task<Result<Listing, FileError>>>,
-    list: bool,
-    /// When it was last looked at, in seconds of real time.
-    looked: f32,
+    rescan: bool,
+    /// When it was last listed, in seconds of real time.
+    listed_at: f32,
     /// Why it could not be listed the last time.
-    unlisted: Option<FileError>,
-    /// Something has been loaded since the assets were handed over.
+    listing_error: Option<FileError>,
+    /// Whether something has been loaded since the assets were handed over.
     changed: bool,
 }
 
@@ -63,40 +51,42 @@ impl SprawlFolder {
             patch_sets: BTreeMap::new(),
             waiting: BTreeSet::new(),
             listing: None,
-            list: true,
-            looked: 0.0,
-            unlisted: None,
+            rescan: true,
+            listed_at: 0.0,
+            listing_error: None,
             changed: true,
         }
     }
 
-    /// Looks for files that have come or gone. Where the asset server watches files, the plugin does so by itself.
+    /// Looks for files that have come or gone. The plugin does so by itself where the asset server watches files.
     pub fn rescan(&mut self) {
-        self.list = true;
+        self.rescan = true;
     }
 
     /// Whether files are still being read.
     pub fn is_loading(&self) -> bool {
-        self.list || self.listing.is_some() || !self.waiting.is_empty()
+        self.rescan || self.listing.is_some() || !self.waiting.is_empty()
     }
 }
 
-/// Seconds between two looks at a folder that is watched: the asset server tells of files that change, not of new ones.
-const LOOK_EVERY: f32 = 1.0;
+/// A watched folder is listed this often, in seconds: the asset server reports files that change, not files that come.
+const LIST_EVERY: f32 = 1.0;
 
 /// Lists the folder, and starts to load the files in it.
 pub(super) fn list_files(
+    mut stopwatch: Stopwatch,
     mut commands: Commands,
     time: Option<Res<Time<Real>>>,
     mut folder: ResMut<SprawlFolder>,
     server: Res<AssetServer>,
     mut rejected: MessageWriter<AssetRejected>,
 ) {
+    let _running = stopwatch.start();
     let folder = &mut *folder;
     let seconds = time.map_or(0.0, |t| t.elapsed_secs());
-    folder.list |= server.watching_for_changes() && seconds - folder.looked > LOOK_EVERY;
-    if folder.list && folder.listing.is_none() {
-        (folder.list, folder.looked) = (false, seconds);
+    folder.rescan |= server.watching_for_changes() && seconds - folder.listed_at > LIST_EVERY;
+    if folder.rescan && folder.listing.is_none() {
+        (folder.rescan, folder.listed_at) = (false, seconds);
         let (server, path) = (server.clone(), folder.path.clone());
         folder.listing = Some(IoTaskPool::get().spawn(async move { listing(&server, &path).await }));
     }
@@ -104,15 +94,15 @@ pub(super) fn list_files(
     folder.listing = None;
     match listing {
         Ok(Listing { styles, patches }) => {
-            folder.unlisted = None;
+            folder.listing_error = None;
             folder.changed |= load(&mut folder.styles, &mut folder.waiting, &server, styles);
             folder.changed |= load(&mut folder.patch_sets, &mut folder.waiting, &server, patches);
         }
-        Err(error) if folder.unlisted.as_ref() == Some(&error) => {}
+        Err(error) if folder.listing_error.as_ref() == Some(&error) => {}
         Err(error) => {
-            folder.unlisted = Some(error.clone());
-            error!("{error}; the bundled styles and patch sets are used");
-            tell(&mut commands, &mut rejected, error);
+            folder.listing_error = Some(error.clone());
+            error!("{error}; the last styles and patch sets stay");
+            report(&mut commands, &mut rejected, error);
         }
     }
 }
@@ -136,7 +126,7 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
             Err(error) => missing = Some(FileError::unreadable(inner.to_string_lossy(), error)),
         }
     }
-    // One of the two may be missing: the bundled ones are used.
+    // One of the two folders may be missing: its bundled files are used.
     let [styles, patches] = found;
     match missing {
         Some(error) if styles.is_empty() && patches.is_empty() => Err(error),
@@ -144,7 +134,7 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
     }
 }
 
-/// Loads the files that are new, and forgets those that are gone; says whether there were any.
+/// Loads new files and forgets files that are gone. Returns whether any file has come or gone.
 fn load<A: Asset>(
     known: &mut BTreeMap<String, Handle<A>>,
     waiting: &mut BTreeSet<String>,
@@ -162,12 +152,14 @@ fn load<A: Asset>(
     !same
 }
 
-/// Notices what has been loaded for the first time or again.
+/// Notices files that have been loaded for the first time or again.
 pub(super) fn take_loaded(
+    mut stopwatch: Stopwatch,
     mut folder: ResMut<SprawlFolder>,
     mut styles: MessageReader<AssetEvent<Style>>,
     mut patch_sets: MessageReader<AssetEvent<PatchSet>>,
 ) {
+    let _running = stopwatch.start();
     let folder = &mut *folder;
     let styles = styles.read().filter_map(|e| loaded(&folder.styles, e));
     let patch_sets = patch_sets.read().filter_map(|e| loaded(&folder.patch_sets, e));
@@ -182,55 +174,38 @@ fn loaded<'a, A: Asset>(known: &'a BTreeMap<String, Handle<A>>, event: &AssetEve
     known.iter().find(|(_, handle)| handle.id() == *id).map(|(path, _)| path)
 }
 
-/// Tells what has been refused.
+/// Reports files that have been refused.
 pub(super) fn take_failed(
+    mut stopwatch: Stopwatch,
     mut commands: Commands,
     mut folder: ResMut<SprawlFolder>,
     mut styles: MessageReader<AssetLoadFailedEvent<Style>>,
     mut patch_sets: MessageReader<AssetLoadFailedEvent<PatchSet>>,
     mut rejected: MessageWriter<AssetRejected>,
 ) {
+    let _running = stopwatch.start();
     let styles = styles.read().map(|e| (&e.path, &e.error));
     for (path, error) in styles.chain(patch_sets.read().map(|e| (&e.path, &e.error))) {
         folder.waiting.remove(&path.to_string());
-        reject(&mut commands, &mut rejected, path, error);
+        report_load_error(&mut commands, &mut rejected, path, error);
     }
 }
 
-/// Tells of a file that could not be loaded.
-pub(super) fn reject(
-    commands: &mut Commands,
-    rejected: &mut MessageWriter<AssetRejected>,
-    path: &AssetPath,
-    error: &AssetLoadError,
-) {
-    let known = match error {
-        AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
-        _ => None,
-    };
-    tell(commands, rejected, known.unwrap_or_else(|| FileError::unreadable(path.to_string(), error)));
-}
-
-fn tell(commands: &mut Commands, rejected: &mut MessageWriter<AssetRejected>, error: FileError) {
-    let FileError { file, line, column, reason } = error;
-    let event = AssetRejected { file, line, column, reason };
-    rejected.write(event.clone());
-    commands.trigger(event);
-}
-
-/// Hands everything over for the next world, once no file is being read any more.
+/// Hands all assets over for the next world, once no file is being read any more.
 pub(super) fn hand_over(
+    mut stopwatch: Stopwatch,
     mut folder: ResMut<SprawlFolder>,
     styles: Res<Assets<Style>>,
     patch_sets: Res<Assets<PatchSet>>,
     mut source: ResMut<SprawlSource>,
-    mut making: ResMut<Making>,
+    mut awaited: ResMut<AwaitedFiles>,
 ) {
+    let _running = stopwatch.start();
     if folder.is_loading() || !folder.changed {
         return;
     }
     folder.changed = false;
-    making.hold_assets = false;
+    awaited.assets = false;
     let mut assets = folder.bundled.clone();
     for (file, handle) in &folder.styles {
         put(&mut assets.styles, file, styles.get(handle), &source.assets.styles);
@@ -241,7 +216,7 @@ pub(super) fn hand_over(
     source.assets = assets;
 }
 
-/// Puts a loaded asset under its file's name. What has not changed keeps its `Arc`, so that it is known to be the same.
+/// Puts a loaded asset under its file's name. An asset that has not changed keeps its `Arc`, so that it compares quickly.
 fn put<A: Clone + PartialEq>(
     into: &mut BTreeMap<String, Arc<A>>,
     file: &str,

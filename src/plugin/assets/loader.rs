@@ -1,6 +1,6 @@
 //! Asset loaders of styles and patch sets.
 //!
-//! They claim no file extension, since `ron` belongs to everybody: load with the type,
+//! They claim no file extension, since other crates use `.ron` too. Name the type to load a file:
 //! `load::<Style>("styles/mine.ron")`.
 
 use crate::layer::FileError;
@@ -76,7 +76,7 @@ impl AssetLoader for PatchSetLoader {
     }
 }
 
-/// Name and text of the file.
+/// The name and the text of the file.
 pub(super) async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> Result<(String, String), FileError> {
     let file = context.path().to_string();
     let mut bytes = Vec::new();
@@ -85,7 +85,7 @@ pub(super) async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> 
         let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = good.iter().filter(|b| **b == b'\n').count() + 1;
         let column = good.iter().rev().take_while(|b| **b != b'\n').count() + 1;
-        FileError { file: file.clone(), line, column, reason: "this is no UTF-8 text".into() }
+        FileError { file: file.clone(), line, column, reason: "the file is not UTF-8 text".into() }
     })?;
     Ok((file, text))
 }

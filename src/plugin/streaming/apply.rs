@@ -1,81 +1,72 @@
-//! Turning finished chunks into entities, and removing those that are not wanted.
+//! Giving finished chunks to their entities, and removing unwanted chunks.
 //!
-//! An exclusive system: what it does is done when it returns, so that the time it measures against the budget is the
-//! time it really takes.
+//! This is an exclusive system: its work is done when it returns, so that the time it measures against the budget is the
+//! time that the work really takes.
 
-use super::slot::Shown;
-use super::tasks::Built;
-use super::{StreamSettings, Streaming};
+use super::build::FinishedChunk;
+use super::entry::ShownChunk;
+use super::index::ChunkIndex;
+use super::plan::Planned;
 use crate::plugin::appearance::{PartMesh, SprawlMaterials};
 use crate::plugin::chunk::{ChunkData, ChunkDetail, ChunkReady, ChunkUnloaded};
+use crate::plugin::frame_time::FrameTime;
+use crate::plugin::stream_settings::StreamSettings;
 use crate::space::ChunkCoord;
 use bevy::camera::visibility::NoAutoAabb;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use std::time::Instant;
 
 pub(super) fn apply_chunks(world: &mut World) {
     let start = Instant::now();
-    let milliseconds = || start.elapsed().as_secs_f32() * 1000.0;
     let settings = world.resource::<StreamSettings>().clone();
+    let is_over_budget = || start.elapsed().as_secs_f32() * 1000.0 > settings.apply_ms;
     let most = settings.applies_per_frame.max(1) as usize;
-    for (i, coord) in world.resource::<Streaming>().finished(most).into_iter().enumerate() {
-        if i > 0 && milliseconds() > settings.apply_ms {
+    for (i, coord) in finished(world.resource::<ChunkIndex>(), most).into_iter().enumerate() {
+        if i > 0 && is_over_budget() {
             break;
         }
         apply(world, coord);
     }
     for i in 0..settings.removals_per_frame.max(1) {
-        if i > 0 && milliseconds() > settings.apply_ms {
+        if i > 0 && is_over_budget() {
             break;
         }
-        let Some((coord, entity)) = world.resource_mut::<Streaming>().next_to_remove() else { break };
+        let Some((coord, entity)) = world.resource_mut::<ChunkIndex>().next_to_remove() else { break };
         remove(world, coord, entity);
     }
-    let mut streaming = world.resource_mut::<Streaming>();
-    streaming.counts.apply_ms = milliseconds();
-    streaming.counts.frame_ms += milliseconds();
+    let mut time = world.resource_mut::<FrameTime>();
+    time.apply = start.elapsed();
+    time.total += start.elapsed();
 }
 
-impl Streaming {
-    /// Chunks that wait to be applied, in order.
-    fn finished(&self, most: usize) -> Vec<ChunkCoord> {
-        let mut built: Vec<_> =
-            self.slots.iter().filter(|(_, s)| s.built.is_some()).map(|(coord, s)| (s.priority, *coord)).collect();
-        built.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        built.into_iter().take(most).map(|(_, coord)| coord).collect()
-    }
-
-    /// Forgets one chunk that is not wanted.
-    fn next_to_remove(&mut self) -> Option<(ChunkCoord, Entity)> {
-        let leaving = self.slots.iter().find(|(_, s)| s.leaving).map(|(coord, _)| *coord);
-        match leaving {
-            Some(coord) => self.slots.remove(&coord).map(|slot| (coord, slot.entity)),
-            None => self.retired.pop(),
-        }
-    }
+/// Chunks that wait to be applied, in the order of their priorities.
+fn finished(index: &ChunkIndex, most: usize) -> Vec<ChunkCoord> {
+    let waiting = index.entries.iter().filter(|(_, e)| e.finished.is_some());
+    let mut waiting: Vec<_> = waiting.map(|(coord, entry)| (entry.priority, *coord)).collect();
+    waiting.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    waiting.into_iter().take(most).map(|(_, coord)| coord).collect()
 }
 
-/// Puts a finished chunk in the place of what its entity shows. Messages and events come last, when all is in place:
-/// their observers may use every resource.
+/// Replaces what the entity of a chunk shows. Messages and events come last, when everything is in place: their observers
+/// may use every resource.
 fn apply(world: &mut World, coord: ChunkCoord) {
-    let mut streaming = world.resource_mut::<Streaming>();
-    let Some(slot) = streaming.slots.get_mut(&coord) else { return };
-    let (parent, Some(built)) = (slot.entity, slot.built.take()) else { return };
+    let mut index = world.resource_mut::<ChunkIndex>();
+    let Some(entry) = index.entries.get_mut(&coord) else { return };
+    let (parent, Some(finished)) = (entry.entity, entry.finished.take()) else { return };
     if world.get_entity(parent).is_err() {
-        // Despawned by the game: planned anew.
-        let mut streaming = world.resource_mut::<Streaming>();
-        streaming.slots.remove(&coord);
-        streaming.replan = true;
+        // The game has despawned it: it is planned anew.
+        world.resource_mut::<ChunkIndex>().entries.remove(&coord);
+        world.resource_mut::<Planned>().again();
         return;
     }
-    let Built { chunk, detail, parts, .. } = built;
+    let FinishedChunk { chunk, detail, parts, .. } = finished;
     let parts = spawn_parts(world, parent, parts);
-    let mut streaming = world.resource_mut::<Streaming>();
-    let Some(slot) = streaming.slots.get_mut(&coord) else { return };
-    let old = slot.shown.replace(Shown { detail, parts, settlements: chunk.settlements.clone() });
-    slot.stale = false;
-    slot.told = slot.status();
-    let status = slot.told;
+    let mut index = world.resource_mut::<ChunkIndex>();
+    let Some(entry) = index.entries.get_mut(&coord) else { return };
+    let old = entry.shown.replace(ShownChunk { detail, parts, settlements: chunk.settlements.clone() });
+    entry.stale = false;
+    let status = entry.status();
+    entry.status_set = status;
     let first = old.is_none();
     for part in old.into_iter().flat_map(|o| o.parts) {
         if let Ok(part) = world.get_entity_mut(part) {
@@ -99,7 +90,7 @@ fn spawn_parts(world: &mut World, parent: Entity, parts: Vec<PartMesh>) -> Vec<E
     let spawned = handles.into_iter().map(|(part, mesh, bounds)| {
         let mut child = world.spawn((part, Mesh3d(mesh), bounds, NoAutoAabb, Visibility::default(), ChildOf(parent)));
         if let Some(materials) = &materials {
-            child.insert(MeshMaterial3d(materials.of(part).clone()));
+            child.insert(MeshMaterial3d(materials[part].clone()));
         }
         child.id()
     });

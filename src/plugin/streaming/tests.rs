@@ -1,19 +1,22 @@
-//! Streaming with a stand-in for the generator, without a renderer.
+//! Tests of streaming with a stand-in for the generator, without a renderer.
 
+use super::generator::ChunkGenerator;
 use super::*;
 use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError};
 use crate::mesh::{ChunkMesh, Detail, MeshBuffers};
-use crate::plugin::origin::{OriginShifted, ShiftsWithOrigin, SprawlOrigin};
 use crate::plugin::source::SprawlSource;
 use crate::plugin::{
-    ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, SprawlStats, StreamAnchor, anchor,
-    appearance, chunk, diagnostics, origin, schedule,
+    ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, OriginShifted, ShiftsWithOrigin,
+    SprawlOrigin, SprawlStats, StreamAnchor, anchor, appearance, chunk, diagnostics, frame_time, schedule, shift,
 };
 use crate::space::Seed;
 use crate::terrain::{Terrain, TerrainSample};
 use crate::world::{WorldAssets, WorldSource};
+use bevy::ecs::system::SystemState;
 use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
@@ -47,7 +50,7 @@ impl Fake {
     }
 }
 
-impl ChunkMaker for Fake {
+impl ChunkGenerator for Fake {
     fn chunk_size(&self) -> i64 {
         self.size
     }
@@ -89,21 +92,26 @@ fn app(maker: &Fake, anchor: StreamAnchor) -> (App, Entity) {
         .init_asset::<Mesh>()
         .insert_resource(SprawlSource(WorldSource { assets: WorldAssets::default(), ..WorldSource::new(Seed(0)) }))
         .insert_resource(SprawlOrigin::default())
-        .init_resource::<StreamSettings>()
         .add_plugins((
             schedule::SchedulePlugin,
+            frame_time::FrameTimePlugin,
             chunk::ChunkPlugin,
             anchor::AnchorPlugin,
-            origin::OriginPlugin,
-            StreamingPlugin,
+            shift::ShiftPlugin,
+            StreamingPlugin { settings: StreamSettings::default() },
             appearance::AppearancePlugin,
             diagnostics::DiagnosticsPlugin,
         ));
     app.finish();
     app.cleanup();
-    app.world_mut().resource_mut::<Streaming>().replace(maker, Dirty::All);
+    replace(&mut app, maker, Stale::All);
     let anchor = app.world_mut().spawn(anchor).id();
     (app, anchor)
+}
+
+fn replace(app: &mut App, generator: &Fake, stale: Stale) {
+    let mut state = SystemState::<Streaming>::new(app.world_mut());
+    state.get_mut(app.world_mut()).expect("streaming has its resources").replace(generator, stale);
 }
 
 fn small() -> StreamAnchor {
@@ -115,9 +123,9 @@ fn settle(app: &mut App) {
     for _ in 0..2000 {
         app.update();
         let stats = *app.world().resource::<SprawlStats>();
-        let streaming = app.world().resource::<Streaming>();
-        let busy = streaming.slots.values().any(|s| s.leaving || s.needs_work() || s.built.is_some());
-        if stats.chunks_missing == 0 && stats.tasks_in_flight == 0 && !busy && streaming.retired.is_empty() {
+        let index = app.world().resource::<ChunkIndex>();
+        let busy = index.entries.values().any(|e| e.leaving || e.needs_work() || e.finished.is_some());
+        if stats.chunks_missing == 0 && stats.tasks_in_flight == 0 && !busy && index.retired.is_empty() {
             return;
         }
         std::thread::sleep(Duration::from_micros(300));
@@ -173,14 +181,14 @@ fn a_hundred_rounds_leak_nothing() {
     let maker = Fake::new(|_| How::Make);
     let (mut app, anchor) = app(&maker, small());
     settle(&mut app);
-    let (entities_before, slots) = (entities(&mut app), app.world().resource::<Streaming>().slots.len());
+    let (entities_before, slots) = (entities(&mut app), app.world().resource::<ChunkIndex>().entries.len());
     for round in 0..100 {
         move_to(&mut app, anchor, Vec3::new(if round % 2 == 0 { 3000.0 } else { 0.0 }, 0.0, 0.0));
         settle(&mut app);
     }
     assert_eq!(entities(&mut app), entities_before);
-    let streaming = app.world().resource::<Streaming>();
-    assert_eq!((streaming.slots.len(), streaming.cancelled.len()), (slots, 0));
+    let loaded = app.world().resource::<ChunkIndex>().entries.len();
+    assert_eq!((loaded, app.world().resource::<Scheduler>().cancelled.len()), (slots, 0));
     assert_eq!(app.world().resource::<Assets<Mesh>>().len(), slots);
 }
 
@@ -283,7 +291,7 @@ fn in_a_new_world_only_what_differs_is_made_anew_and_the_old_stays_until_then() 
     };
     let old = part(&mut app);
     let same: BTreeSet<ChunkCoord> = before.keys().copied().filter(|c| *c != changed).collect();
-    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::AllBut(same));
+    replace(&mut app, &next, Stale::AllBut(same));
     let mut frames = 0;
     while next.made.load(Ordering::Relaxed) == 0 {
         assert_eq!(part(&mut app), old);
@@ -297,7 +305,7 @@ fn in_a_new_world_only_what_differs_is_made_anew_and_the_old_stays_until_then() 
     assert!(new.len() == 1 && new != old, "its mesh was replaced");
     assert_eq!(chunks(&mut app), before, "the entities stay");
     assert_eq!(next.made.load(Ordering::Relaxed), 1);
-    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::All);
+    replace(&mut app, &next, Stale::All);
     settle(&mut app);
     assert_eq!(next.made.load(Ordering::Relaxed), 1 + before.len());
 }
@@ -310,7 +318,7 @@ fn another_chunk_size_replaces_every_chunk() {
     let before = chunks(&mut app).len();
     let next = Fake { size: 256, ..Fake::new(|_| How::Make) };
     app.world_mut().resource_mut::<SprawlSource>().settings.chunk_size = 256;
-    app.world_mut().resource_mut::<Streaming>().replace(&next, Dirty::All);
+    replace(&mut app, &next, Stale::All);
     settle(&mut app);
     let after = chunks(&mut app).len();
     assert!(after > 2 * before, "{before} {after}");

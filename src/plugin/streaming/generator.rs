@@ -8,18 +8,18 @@ use crate::world::World;
 use std::sync::Arc;
 
 /// Makes chunks and their meshes, on any thread.
-pub(in crate::plugin) trait ChunkMaker: Send + Sync + 'static {
+pub(in crate::plugin) trait ChunkGenerator: Send + Sync + 'static {
     /// Edge of a chunk in metres.
     fn chunk_size(&self) -> i64;
 
     /// Makes a chunk.
     fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError>;
 
-    /// Makes its meshes.
+    /// Makes the meshes of a chunk.
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError>;
 }
 
-impl ChunkMaker for World {
+impl ChunkGenerator for World {
     fn chunk_size(&self) -> i64 {
         self.settings().chunk_size
     }

@@ -1,6 +1,6 @@
 //! What is known about a chunk that has an entity.
 
-use super::tasks::{Built, Outcome};
+use super::build::{BuildOutcome, FinishedChunk};
 use crate::layer::Cancel;
 use crate::mesh::Detail;
 use crate::plugin::chunk::ChunkStatus;
@@ -10,40 +10,42 @@ use bevy::tasks::Task;
 use std::sync::Arc;
 
 /// A chunk that has an entity.
-pub(super) struct Slot {
+pub(super) struct ChunkEntry {
     pub entity: Entity,
-    /// Detail that it should have.
+    /// The detail that it should have.
     pub want: Detail,
-    /// What there is to see.
-    pub shown: Option<Shown>,
-    /// Whether what is shown, or was to be shown, comes from an older world.
+    /// What its entity shows.
+    pub shown: Option<ShownChunk>,
+    /// Whether what it shows, or was to show, comes from an older world.
     pub stale: bool,
-    /// Whether the last attempt failed; it is not tried again in the same world.
+    /// Whether the last attempt failed. It is not tried again in the same world.
     pub failed: bool,
-    /// No longer wanted; waits to be removed.
+    /// Whether it is no longer wanted and waits to be removed.
     pub leaving: bool,
     pub job: Option<Job>,
     /// A result that waits to be applied.
-    pub built: Option<Built>,
-    /// Order in which chunks are made; the lowest first.
+    pub finished: Option<FinishedChunk>,
+    /// Chunks are made in the order of this number, the lowest first.
     pub priority: f64,
     /// The status that its entity has.
-    pub told: ChunkStatus,
+    pub status_set: ChunkStatus,
 }
 
-pub(super) struct Shown {
+/// What the entity of a chunk shows.
+pub(super) struct ShownChunk {
     pub detail: Detail,
     /// Entities of its meshes.
     pub parts: Vec<Entity>,
     pub settlements: Vec<Arc<Settlement>>,
 }
 
+/// A task in flight.
 pub(super) struct Job {
     pub cancel: Cancel,
-    pub task: Task<Outcome>,
+    pub task: Task<BuildOutcome>,
 }
 
-impl Slot {
+impl ChunkEntry {
     pub fn new(entity: Entity, want: Detail, priority: f64) -> Self {
         Self {
             entity,
@@ -53,21 +55,21 @@ impl Slot {
             failed: false,
             leaving: false,
             job: None,
-            built: None,
+            finished: None,
             priority,
-            told: ChunkStatus::Queued,
+            status_set: ChunkStatus::Queued,
         }
     }
 
     /// Whether a task should be started for it.
     pub fn needs_work(&self) -> bool {
-        let idle = self.job.is_none() && self.built.is_none() && !self.leaving && !self.failed;
+        let idle = self.job.is_none() && self.finished.is_none() && !self.leaving && !self.failed;
         idle && (self.stale || self.shown.as_ref().is_none_or(|s| s.detail != self.want))
     }
 
     /// The status that its entity should have.
     pub fn status(&self) -> ChunkStatus {
-        match (&self.shown, self.job.is_some() || self.built.is_some()) {
+        match (&self.shown, self.job.is_some() || self.finished.is_some()) {
             (Some(_), true) => ChunkStatus::Refreshing,
             (Some(_), false) => ChunkStatus::Ready,
             (None, true) => ChunkStatus::Building,
@@ -76,10 +78,10 @@ impl Slot {
         }
     }
 
-    /// Stops work on it and drops what has not been applied. The task, if any, is returned: it may still run for a
-    /// moment.
-    pub fn cancel(&mut self) -> Option<Task<Outcome>> {
-        self.built = None;
+    /// Cancels its task and drops a result that has not been applied. The task, if any, is returned, since it may run on
+    /// for a moment.
+    pub fn cancel(&mut self) -> Option<Task<BuildOutcome>> {
+        self.finished = None;
         let job = self.job.take()?;
         job.cancel.cancel();
         Some(job.task)

@@ -1,0 +1,162 @@
+//! What depends on what: which chunks stay the same when a world is made again from other inputs.
+
+use crate::layer::{Cancel, LayerError};
+use crate::region::Settlement;
+use crate::space::{Bounds, ChunkCoord};
+use crate::world::{World, WorldAssets, WorldSource};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// What differs between the inputs of two worlds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Difference {
+    /// Nothing.
+    None,
+    /// Only styles and edits.
+    Some {
+        /// Names of the styles that make other towns: the style itself, a patch set that it uses, or the style of its
+        /// fringe has changed.
+        styles: BTreeSet<String>,
+        /// Whether the edits differ.
+        edits: bool,
+    },
+    /// Something that every chunk may depend on.
+    All,
+}
+
+/// What differs between the inputs of two worlds.
+pub(super) fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
+    if (old.seed, &old.settings, &old.terrain) != (new.seed, &new.settings, &new.terrain) {
+        return Difference::All;
+    }
+    let (before, assets) = (&old.assets, &new.assets);
+    // Settlements choose among the style names that the settings list, so a changed style changes no choice. A style that
+    // has come or gone counts as a change of everything: this happens while assets are written, not while a game is played.
+    if !before.styles.keys().eq(assets.styles.keys()) {
+        return Difference::All;
+    }
+    let patch_sets = differing(&before.patch_sets, &assets.patch_sets);
+    let styles = dependent_styles(assets, differing(&before.styles, &assets.styles), &patch_sets);
+    let edits = old.edits != new.edits;
+    if styles.is_empty() && patch_sets.is_empty() && !edits {
+        Difference::None
+    } else {
+        Difference::Some { styles, edits }
+    }
+}
+
+/// Names of all styles that depend on a changed style or patch set. A style depends on its patch sets, and on the style of
+/// its fringe with the patch sets of that; it does not depend on the fringe of its fringe.
+fn dependent_styles(
+    assets: &WorldAssets,
+    mut changed: BTreeSet<String>,
+    patch_sets: &BTreeSet<String>,
+) -> BTreeSet<String> {
+    let uses_sets = assets.styles.iter().filter(|(_, s)| s.patch_sets.iter().any(|p| patch_sets.contains(p)));
+    changed.extend(uses_sets.map(|(name, _)| name.clone()));
+    let has_fringe = |name: &&String| {
+        let fringe = assets.styles.get(*name).and_then(|s| s.fringe.as_ref());
+        fringe.is_some_and(|f| changed.contains(&f.style))
+    };
+    let fringed: Vec<String> = assets.styles.keys().filter(has_fringe).cloned().collect();
+    changed.extend(fringed);
+    changed
+}
+
+/// Names whose value is not the same in both maps.
+fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Arc<T>>) -> BTreeSet<String> {
+    let same = |x: &Arc<T>, y: &Arc<T>| Arc::ptr_eq(x, y) || x == y;
+    let names = a.keys().chain(b.keys());
+    let differs = |name: &&String| !matches!((a.get(*name), b.get(*name)), (Some(x), Some(y)) if same(x, y));
+    names.filter(differs).cloned().collect()
+}
+
+/// Of the loaded chunks, those that are the same in the next world.
+///
+/// A chunk is left out if it shows a settlement of one of `styles`, or a settlement next to one: a main street that two
+/// towns share has ports from the styles of both. With `before`, the world of other edits, a chunk is also left out if it
+/// depends on edits that differ.
+pub(super) fn unchanged_chunks(
+    world: &World,
+    before: Option<&World>,
+    styles: &BTreeSet<String>,
+    loaded: Vec<(ChunkCoord, Vec<Arc<Settlement>>)>,
+) -> Result<BTreeSet<ChunkCoord>, LayerError> {
+    let mut known: BTreeMap<_, bool> = BTreeMap::new();
+    let mut is_touched = |settlement: &Settlement| -> Result<bool, LayerError> {
+        if let Some(known) = known.get(&settlement.id) {
+            return Ok(*known);
+        }
+        let around = Bounds::square(settlement.centre.plan(), settlement.radius * 2.0);
+        let near = world.settlements().overlapping(around)?;
+        let touched = styles.contains(&settlement.style) || near.iter().any(|s| styles.contains(&s.style));
+        known.insert(settlement.id, touched);
+        Ok(touched)
+    };
+    let mut unchanged = BTreeSet::new();
+    for (coord, settlements) in loaded {
+        let mut touched = false;
+        for settlement in settlements.iter().filter(|_| !styles.is_empty()) {
+            touched = touched || is_touched(settlement)?;
+        }
+        if !touched {
+            unchanged.insert(coord);
+        }
+    }
+    if let Some(before) = before {
+        let changed = world.changed_chunks(before, unchanged.iter().copied(), &Cancel::new())?;
+        unchanged.retain(|coord| !changed.contains(coord));
+    }
+    Ok(unchanged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+    use crate::style::Style;
+
+    #[test]
+    fn values_are_compared_not_pointers() {
+        let one = || Arc::new(Style::default());
+        let mut other = Style::default();
+        other.main.length += 1.0;
+        let a = BTreeMap::from([("x".to_owned(), one()), ("y".to_owned(), one())]);
+        let b = BTreeMap::from([("x".to_owned(), one()), ("y".to_owned(), Arc::new(other)), ("z".to_owned(), one())]);
+        assert!(differing(&a, &a.clone()).is_empty());
+        assert_eq!(differing(&a, &b).into_iter().collect::<Vec<_>>(), ["y", "z"]);
+    }
+
+    /// The styles that depend on what `change` changes in the bundled assets.
+    fn changed_styles(change: impl FnOnce(&mut WorldAssets)) -> Vec<String> {
+        let old = WorldSource::new(Seed(1));
+        let mut new = old.clone();
+        change(&mut new.assets);
+        match difference(&old, &new) {
+            Difference::Some { styles, edits: false } => styles.into_iter().collect(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn towns_depend_on_the_style_of_their_fringe() {
+        let bundled = WorldAssets::bundled();
+        let fringed_by = |fringe: &str| {
+            let of = bundled.styles.iter().filter(|(_, s)| s.fringe.as_ref().is_some_and(|f| f.style == fringe));
+            of.map(|(name, _)| name.clone()).chain([fringe.to_owned()]).collect::<BTreeSet<_>>()
+        };
+        let suburb = changed_styles(|assets| {
+            let mut style = (*assets.styles["suburb"]).clone();
+            style.parcels.vacant = 1.0;
+            assets.styles.insert("suburb".into(), Arc::new(style));
+        });
+        assert!(suburb.iter().any(|s| s == "european"), "{suburb:?}");
+        assert_eq!(suburb.into_iter().collect::<BTreeSet<_>>(), fringed_by("suburb"));
+        let patches = changed_styles(|assets| {
+            let mut set = (*assets.patch_sets["suburb"]).clone();
+            set.patches.truncate(1);
+            assets.patch_sets.insert("suburb".into(), Arc::new(set));
+        });
+        assert!(patches.iter().any(|s| s == "european"), "{patches:?}");
+    }
+}

@@ -1,0 +1,124 @@
+//! Making the next world when the inputs change.
+
+use super::depends::{Difference, difference, unchanged_chunks};
+use super::frame_time::Stopwatch;
+use super::schedule::WorldSystems;
+use super::source::{AwaitedFiles, SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
+use super::streaming::{ChunkIndex, Stale, Streaming};
+use crate::world::{World, WorldError};
+use bevy::ecs::system::SystemState;
+use bevy::prelude::{
+    App, Commands, DetectChanges, IntoScheduleConfigs, MessageWriter, Plugin, PostUpdate, Res, ResMut, Resource, error,
+};
+use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
+
+pub(super) struct RegeneratePlugin;
+
+impl Plugin for RegeneratePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Regeneration>().add_systems(
+            PostUpdate,
+            (start_regeneration, finish_regeneration).chain().in_set(WorldSystems::Regenerate),
+        );
+        if !app.world().resource::<AwaitedFiles>().any() {
+            make_first_world(app);
+        }
+    }
+}
+
+/// The first world is made at once, so that systems in `Startup` can ask it where to put the player.
+fn make_first_world(app: &mut App) {
+    let source = app.world().resource::<SprawlSource>().0.clone();
+    match World::new(source) {
+        Ok(world) => {
+            if let Ok(mut streaming) = SystemState::<Streaming>::new(app.world_mut()).get_mut(app.world_mut()) {
+                streaming.replace(&world, Stale::All);
+            }
+            let mut current = app.world_mut().resource_mut::<SprawlWorld>();
+            current.replace(world);
+            let revision = current.revision();
+            app.world_mut().write_message(WorldChanged { revision });
+        }
+        Err(error) => {
+            error!("there is no world: {error}");
+            app.world_mut().write_message(WorldRejected { error });
+        }
+    }
+}
+
+/// The next world, while it is made.
+#[derive(Resource, Default)]
+struct Regeneration {
+    task: Option<Task<Result<NextWorld, WorldError>>>,
+    wanted: bool,
+}
+
+/// A world that is ready to replace the current one.
+struct NextWorld {
+    world: World,
+    stale: Stale,
+}
+
+/// Several changes while a world is being made lead to one more world after it.
+fn start_regeneration(
+    mut stopwatch: Stopwatch,
+    (source, awaited): (Res<SprawlSource>, Res<AwaitedFiles>),
+    current: Res<SprawlWorld>,
+    index: Res<ChunkIndex>,
+    mut regeneration: ResMut<Regeneration>,
+) {
+    let _running = stopwatch.start();
+    regeneration.wanted |= source.is_changed();
+    if !regeneration.wanted || awaited.any() || regeneration.task.is_some() {
+        return;
+    }
+    regeneration.wanted = false;
+    let source = source.0.clone();
+    let old = current.get().cloned();
+    let change = old.as_ref().map_or(Difference::All, |old| difference(old.source(), &source));
+    if change == Difference::None {
+        return;
+    }
+    let loaded = index.settlements();
+    regeneration.task = Some(AsyncComputeTaskPool::get().spawn(async move {
+        let world = World::new(source)?;
+        let stale = match (change, old) {
+            (Difference::Some { styles, edits }, Some(old)) => {
+                let before = if edits { Some(&old) } else { None };
+                // Where the new world cannot be compared, nothing is known to be the same.
+                unchanged_chunks(&world, before, &styles, loaded).map_or(Stale::All, Stale::AllBut)
+            }
+            _ => Stale::All,
+        };
+        Ok(NextWorld { world, stale })
+    }));
+}
+
+fn finish_regeneration(
+    mut stopwatch: Stopwatch,
+    mut commands: Commands,
+    mut regeneration: ResMut<Regeneration>,
+    mut current: ResMut<SprawlWorld>,
+    mut streaming: Streaming,
+    mut changed: MessageWriter<WorldChanged>,
+    mut rejected: MessageWriter<WorldRejected>,
+) {
+    let _running = stopwatch.start();
+    let Some(result) = regeneration.task.as_mut().and_then(check_ready) else { return };
+    regeneration.task = None;
+    match result {
+        Ok(NextWorld { world, stale }) => {
+            streaming.replace(&world, stale);
+            current.replace(world);
+            let event = WorldChanged { revision: current.revision() };
+            changed.write(event);
+            commands.trigger(event);
+        }
+        Err(error) => {
+            error!("the changed inputs make no world, and the last one stays: {error}");
+            let event = WorldRejected { error };
+            rejected.write(event.clone());
+            commands.trigger(event);
+        }
+    }
+}

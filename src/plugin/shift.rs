@@ -1,0 +1,101 @@
+//! Moving the origin when the anchors are far from it.
+
+use super::anchor::{Anchors, StreamAnchor, read_anchors};
+use super::frame_time::Stopwatch;
+use super::origin::SprawlOrigin;
+use super::schedule::SprawlSystems;
+use super::source::SprawlSource;
+use super::streaming::ChunkIndex;
+use crate::space::{Bounds, ChunkCoord, Origin};
+use bevy::prelude::*;
+use glam::{DVec2, I64Vec2};
+
+/// When the origin is shifted.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct OriginSettings {
+    /// The origin is shifted when the middle of all anchors is farther than this from it, in metres along an axis.
+    /// Infinity: never.
+    pub distance: f32,
+}
+
+impl Default for OriginSettings {
+    fn default() -> Self {
+        Self { distance: 4096.0 }
+    }
+}
+
+/// Marks a root entity whose [`Transform`] is shifted together with the origin: everything in the scene that is not a
+/// child of something else. Chunks, and the roots that anchors belong to, are shifted without it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(Transform)]
+pub struct ShiftsWithOrigin;
+
+/// The origin has moved: a point that was at `p` in Bevy is now at `p + by`. Sent as a message and as an event, after
+/// the transforms of chunks, anchors and [`ShiftsWithOrigin`] have changed. Add `by` to the positions that a game keeps
+/// elsewhere.
+#[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
+pub struct OriginShifted {
+    /// What to add to Bevy positions, in metres.
+    pub by: Vec3,
+    /// The new origin.
+    pub origin: Origin,
+}
+
+pub(super) struct ShiftPlugin;
+
+impl Plugin for ShiftPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<OriginSettings>()
+            .add_message::<OriginShifted>()
+            .register_type::<(OriginSettings, ShiftsWithOrigin)>()
+            .add_systems(PostUpdate, shift_origin.in_set(SprawlSystems::Anchors).after(read_anchors));
+    }
+}
+
+/// Entities without a parent, and what says whether they are shifted.
+type Root = (Entity, &'static mut Transform, Has<ShiftsWithOrigin>, Option<&'static ChunkCoord>);
+
+fn shift_origin(
+    mut stopwatch: Stopwatch,
+    mut origin: ResMut<SprawlOrigin>,
+    (settings, source, index): (Res<OriginSettings>, Res<SprawlSource>, Res<ChunkIndex>),
+    (views, anchors, parents): (Res<Anchors>, Query<Entity, With<StreamAnchor>>, Query<&ChildOf>),
+    mut roots: Query<Root, Without<ChildOf>>,
+    (mut commands, mut shifted): (Commands, MessageWriter<OriginShifted>),
+) {
+    let _running = stopwatch.start();
+    let Some(middle) = middle(views.iter().map(|a| a.at)) else { return };
+    let far = origin.origin().to_local(middle).abs().max_element();
+    if far.is_nan() || far <= f64::from(settings.distance) {
+        return;
+    }
+    let next = SprawlOrigin::near(middle, source.settings.chunk_size);
+    let moved: I64Vec2 = origin.origin().0 - next.origin().0;
+    if moved == I64Vec2::ZERO {
+        return;
+    }
+    let by = Vec3::new(moved.x as f32, 0.0, -moved.y as f32);
+    let mut anchor_roots: Vec<Entity> = anchors.iter().map(|e| parents.root_ancestor(e)).collect();
+    anchor_roots.sort_unstable();
+    for (entity, mut transform, marked, chunk) in &mut roots {
+        match chunk {
+            Some(coord) if index.entity(*coord) == Some(entity) => {
+                transform.translation = next.chunk_translation(*coord, index.size);
+            }
+            None if !marked && anchor_roots.binary_search(&entity).is_err() => {}
+            _ => transform.translation += by,
+        }
+    }
+    *origin = next;
+    let event = OriginShifted { by, origin: next.origin() };
+    shifted.write(event);
+    commands.trigger(event);
+}
+
+/// The middle of the box around some points.
+fn middle(points: impl Iterator<Item = DVec2>) -> Option<DVec2> {
+    let bounds = Bounds::of(points);
+    bounds.min.is_finite().then(|| bounds.centre())
+}

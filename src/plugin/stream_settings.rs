@@ -1,0 +1,36 @@
+//! How chunks are streamed.
+
+use bevy::prelude::*;
+
+/// How chunks are streamed.
+#[derive(Resource, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub struct StreamSettings {
+    /// The number of chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`.
+    pub max_tasks: u32,
+    /// Milliseconds per frame for giving finished chunks to their entities and for removing unwanted chunks. At least one
+    /// chunk is applied in each frame, however long it takes.
+    pub apply_ms: f32,
+    /// The number of chunks that are applied in a frame at most; at least 1.
+    pub applies_per_frame: u32,
+    /// The number of chunks that are removed in a frame at most; at least 1.
+    pub removals_per_frame: u32,
+    /// Chunks are also loaded around the places where the anchors will be after so many seconds.
+    pub lookahead_s: f32,
+    /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. This needs about
+    /// twice the memory. Colliders do not need it: they can be made from [`ChunkData`](crate::plugin::ChunkData).
+    pub keep_meshes: bool,
+}
+
+impl Default for StreamSettings {
+    fn default() -> Self {
+        Self {
+            max_tasks: 0,
+            apply_ms: 0.5,
+            applies_per_frame: 4,
+            removals_per_frame: 4,
+            lookahead_s: 4.0,
+            keep_meshes: false,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Going over to another world.
+
+use super::generator::ChunkGenerator;
+use super::index::ChunkIndex;
+use super::plan::Planned;
+use super::scheduler::Scheduler;
+use crate::space::ChunkCoord;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// The chunks that have to be made again for a new world.
+#[derive(Debug)]
+pub(in crate::plugin) enum Stale {
+    All,
+    /// All chunks but these, which are known to be the same.
+    AllBut(BTreeSet<ChunkCoord>),
+}
+
+/// Everything that streaming remembers.
+#[derive(SystemParam)]
+pub(in crate::plugin) struct Streaming<'w> {
+    index: ResMut<'w, ChunkIndex>,
+    scheduler: ResMut<'w, Scheduler>,
+    planned: ResMut<'w, Planned>,
+}
+
+impl Streaming<'_> {
+    /// Goes over to another world. What is shown stays until its replacement is ready.
+    pub fn replace<G: ChunkGenerator + Clone>(&mut self, generator: &G, stale: Stale) {
+        let size = generator.chunk_size();
+        let same_grid = size == self.index.size;
+        self.index.size = size;
+        self.scheduler.generator = Some(Arc::new(generator.clone()));
+        self.planned.again();
+        for entry in self.index.entries.values_mut() {
+            self.scheduler.cancelled.extend(entry.cancel());
+        }
+        if !same_grid {
+            let old = std::mem::take(&mut self.index.entries);
+            self.index.retired.extend(old.into_iter().map(|(coord, entry)| (coord, entry.entity)));
+            return;
+        }
+        for (coord, entry) in &mut self.index.entries {
+            entry.failed = false;
+            entry.stale |= match &stale {
+                Stale::All => true,
+                Stale::AllBut(chunks) => !chunks.contains(coord),
+            };
+        }
+    }
+}
