@@ -186,10 +186,7 @@ impl Plugin for SprawlPlugin {
         app.insert_resource(SprawlOrigin::near(self.start, self.settings.chunk_size)).add_plugins((
             schedule::SchedulePlugin,
             frame_time::FrameTimePlugin,
-            source::SourcePlugin {
-                source: WorldSource { seed: self.seed, settings, assets, edits, terrain },
-                awaited,
-            },
+            source::SourcePlugin { source: WorldSource { seed: self.seed, settings, assets, edits, terrain }, awaited },
             assets::AssetsPlugin { folder, edits: self.edits_file.clone() },
             chunk::ChunkPlugin,
             appearance::AppearancePlugin,

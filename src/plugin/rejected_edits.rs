@@ -4,8 +4,8 @@ use super::assets::SprawlEdits;
 use super::frame_time::Stopwatch;
 use super::schedule::WorldSystems;
 use super::source::SprawlWorld;
-use crate::layer::{Cancel, FileError, LayerError};
 use crate::edits::RejectedEdit;
+use crate::layer::{Cancel, FileError, LayerError};
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 

@@ -2,10 +2,10 @@
 
 use super::loader::read;
 use super::rejection::{AssetRejected, report_load_error};
+use crate::edits::{Edits, RejectedEdit};
 use crate::layer::FileError;
 use crate::plugin::frame_time::Stopwatch;
 use crate::plugin::source::{AwaitedFiles, SprawlSource};
-use crate::edits::{Edits, RejectedEdit};
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoadFailedEvent, AssetLoader, LoadContext};
 use bevy::prelude::*;

@@ -2,7 +2,7 @@
 
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
-use crate::mesh::{self, ChunkMesh, Detail};
+use crate::mesh::{ChunkMesh, Detail};
 use crate::space::ChunkCoord;
 use crate::world::World;
 use std::sync::Arc;
@@ -29,6 +29,6 @@ impl ChunkGenerator for World {
     }
 
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
-        mesh::build(chunk, &**self.terrain(), detail, cancel)
+        World::mesh(self, chunk.coord, detail, cancel)
     }
 }

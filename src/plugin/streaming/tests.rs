@@ -10,7 +10,7 @@ use crate::plugin::{
     ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, OriginShifted, ShiftsWithOrigin,
     SprawlOrigin, SprawlStats, StreamAnchor, anchor, appearance, chunk, diagnostics, frame_time, schedule, shift,
 };
-use crate::space::Seed;
+use crate::space::{ChunkCoord, Seed};
 use crate::terrain::{Terrain, TerrainSample};
 use crate::world::{WorldAssets, WorldSource};
 use bevy::ecs::system::SystemState;
