@@ -37,6 +37,8 @@ pub mod stack;
 pub mod streets;
 pub mod style;
 pub mod terrain;
+#[cfg(test)]
+mod testing;
 pub mod town;
 pub mod world;
 

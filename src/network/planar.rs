@@ -241,6 +241,12 @@ impl<E: Clone> PlanarGraph<E> {
         (self.at(e.a), self.at(e.b))
     }
 
+    /// Length of an edge in metres.
+    pub fn edge_length(&self, edge: EdgeIx) -> f64 {
+        let (a, b) = self.segment(edge);
+        a.distance(b)
+    }
+
     /// Edges at a vertex, oldest first.
     pub fn edges_at(&self, v: VertexIx) -> &[EdgeIx] {
         self.around[v as usize].edges()

@@ -1,13 +1,13 @@
 //! Ports as cells see them, and main streets divided at their ports.
 
+use super::port::{CellPort, Port, Seam};
 use crate::network::{Junction, Network, Street, StreetId};
-use crate::seam::{CellPort, Port, Seam};
 use crate::space::{Origin, left_normal, point_at, segments};
 use crate::town::{MainStreet, Town};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
-/// The ports of cell `cell` (index into [`Town::cells`]), in order around its border.
+/// The ports of the cell with index `cell` in [`Town::cells`], in order around its border.
 pub fn cell_ports(town: &Town, seams: &[Seam], cell: usize) -> Vec<CellPort> {
     let mut out = Vec::new();
     let Some(cell) = town.cells.get(cell) else { return out };

@@ -1,13 +1,17 @@
-//! What holds for the seams of every settlement. Distances are measured by brute force, on other ways than the ones
-//! that make the ports.
+//! What holds for the seams of every settlement. Distances are measured by brute force, not as the ports were found.
 
-use super::stub::Hand;
+use super::propose::opposite;
+use super::side::StreetSide;
 use super::*;
-use crate::analysis::measure;
-use crate::space::{line_length, point_in_polygon, polygon_distance, segment_crossing, segment_distance, segments};
+use crate::network::measure;
+use crate::space::{
+    distance_to_line, left_normal, line_length, point_at, point_in_polygon, pole, polygon_distance, segment_crossing,
+    segment_distance, segments, signed_area,
+};
+use crate::testing::{SettlementCase, any_settlement, settlement};
 use crate::style::FieldKind;
-use crate::town::sample::{Case, case, case_of};
 use crate::town::{CellUse, Town};
+use glam::DVec2;
 use std::collections::BTreeSet;
 
 /// Distance of `a`-`b` from the sides of a cell that do not run along `main`, or that are the other side of it.
@@ -22,8 +26,8 @@ fn other_sides(town: &Town, cell: usize, main: usize, forward: bool, a: DVec2, b
     least
 }
 
-/// Checks the seams of a town; its cells with fewer than two ports, and all its cells.
-fn check(case: &Case, what: &str) -> (usize, usize) {
+/// Checks the seams of a town; returns the number of its cells with fewer than two ports, and of all its cells.
+fn check(case: &SettlementCase, what: &str) -> (usize, usize) {
     let town = case.plan();
     let styles = vec![&case.style; town.cells.len()];
     let seams = seams(case.seed, &town, &styles, &[]);
@@ -36,7 +40,7 @@ fn check(case: &Case, what: &str) -> (usize, usize) {
         for port in &seam.ports {
             assert!(port.left.is_some() || port.right.is_some());
             assert!(port.along >= last + rules.min_spacing.min(30.0) && port.along <= length - 30.0, "{what}: spacing");
-            assert!(crate::space::distance_to_line(port.at, &main.street.line) < 1e-3, "{what}: off its street");
+            assert!(distance_to_line(port.at, &main.street.line) < 1e-3, "{what}: off its street");
             last = port.along;
         }
     }
@@ -47,39 +51,42 @@ fn check(case: &Case, what: &str) -> (usize, usize) {
         met += ports.len();
         poor += usize::from(ports.len() < 2 && cell.used_as == CellUse::Built);
         assert!(ports.is_empty() || cell.used_as == CellUse::Built, "{what}: a port in an open place");
-        let stub = |p: &CellPort| (p.at + p.inward * 0.01, p.at + p.inward * STUB_LENGTH);
+        let approach = |p: &CellPort| (p.at + p.inward * 0.01, p.at + p.inward * STUB_LENGTH);
         for (i, port) in ports.iter().enumerate() {
-            let (a, b) = stub(port);
+            let (a, b) = approach(port);
             assert!((port.inward.length() - 1.0).abs() < 1e-9);
             for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                assert!(point_in_polygon(a.lerp(b, t), &cell.border), "{what}: a stub leaves its cell");
+                assert!(point_in_polygon(a.lerp(b, t), &cell.border), "{what}: an approach leaves its cell");
             }
-            assert!(polygon_distance(a.lerp(b, 0.5), b, &cell.border) > 8.0, "{what}: a stub runs into the border");
+            assert!(
+                polygon_distance(a.lerp(b, 0.5), b, &cell.border) > 8.0,
+                "{what}: an approach runs into the border"
+            );
             let (main, forward) = seams
                 .iter()
                 .enumerate()
                 .find_map(|(m, s)| {
                     let p = s.ports.iter().find(|p| p.junction == port.junction)?;
-                    let left = crate::space::left_normal(crate::space::point_at(&town.mains[m].street.line, p.along).1);
+                    let left = left_normal(point_at(&town.mains[m].street.line, p.along).1);
                     Some((m, left.dot(port.inward) > 0.0))
                 })
                 .unwrap();
             let distance = other_sides(&town, index, main, forward, a, b);
-            assert!(distance >= STUB_CLEARANCE, "{what}: a stub is {distance} m from another side");
+            assert!(distance >= STUB_CLEARANCE, "{what}: an approach is {distance} m from another side");
             for other in &ports[i + 1..] {
-                let (c, d) = stub(other);
-                assert!(segment_distance(a, b, c, d) >= STUB_CLEARANCE, "{what}: stubs are near each other");
+                let (c, d) = approach(other);
+                assert!(segment_distance(a, b, c, d) >= STUB_CLEARANCE, "{what}: approaches are near each other");
             }
         }
     }
-    let wanted = seams.iter().flat_map(|s| &s.ports);
-    let arms: usize = wanted.map(|p| usize::from(p.left.is_some()) + usize::from(p.right.is_some())).sum();
+    let ports = seams.iter().flat_map(|s| &s.ports);
+    let arms: usize = ports.map(|p| usize::from(p.left.is_some()) + usize::from(p.right.is_some())).sum();
     assert_eq!(met, arms, "{what}: every port belongs to the cells that it opens to");
     network(case, &town, &seams, what);
     (poor, town.cells.len())
 }
 
-fn network(case: &Case, town: &Town, seams: &[Seam], what: &str) {
+fn network(case: &SettlementCase, town: &Town, seams: &[Seam], what: &str) {
     let network = main_network(town, seams);
     let ids: BTreeSet<_> = network.junctions.iter().map(|j| j.id).collect();
     let names: BTreeSet<_> = network.streets.iter().map(|s| s.id).collect();
@@ -116,30 +123,30 @@ fn network(case: &Case, town: &Town, seams: &[Seam], what: &str) {
 fn every_port_has_the_room_that_is_promised() {
     let (mut poor, mut cells) = (0, 0);
     for number in (0..40).chain(1000..1200) {
-        let (few, of) = check(&case(number), &format!("case {number}"));
+        let (few, of) = check(&any_settlement(number), &format!("case {number}"));
         (poor, cells) = (poor + few, cells + of);
     }
     assert!(poor * 5 < cells, "{poor} of {cells} cells have fewer than two ports");
 }
 
-/// Ports of the cells of towns on a grid whose line along the field meets another side squarely, away from its ends, and how
-/// many of these have a port there, with the ports of `kind`.
+/// How many ports of towns on a grid have a port opposite them across their cell, and how many could have one, since the line
+/// along the field meets another side squarely and away from its ends. Ports are proposed as on a field of `kind`.
 fn facing(kind: FieldKind) -> (usize, usize) {
     let (mut facing, mut all) = (0, 0);
     for number in 0..60 {
-        let case = case_of(number, FieldKind::Grid, 700.0, 5);
+        let case = settlement(number, FieldKind::Grid, 700.0, 5);
         let town = case.plan();
         let mut style = case.style.clone();
         style.main.field = kind;
         let seams = seams(case.seed, &town, &vec![&style; town.cells.len()], &[]);
         for (main, seam) in seams.iter().enumerate() {
-            for (port, hand) in seam.ports.iter().flat_map(|p| [(p, Hand::Left), (p, Hand::Right)]) {
-                let cell = &town.cells[hand.cell(&town.mains[main])];
-                if let Some(mark) = survey::opposite(&town, cell, main, hand, port.along)
-                    && (60.0..town.mains[mark.main].street.length() - 60.0).contains(&mark.along)
+            for (port, side) in seam.ports.iter().flat_map(|p| StreetSide::BOTH.map(|side| (p, side))) {
+                let cell = &town.cells[side.cell(&town.mains[main])];
+                if let Some(point) = opposite(&town, cell, main, side, port.along)
+                    && (60.0..town.mains[point.main].street.length() - 60.0).contains(&point.along)
                 {
                     all += 1;
-                    facing += usize::from(seams[mark.main].ports.iter().any(|p| (p.along - mark.along).abs() < 15.0));
+                    facing += usize::from(seams[point.main].ports.iter().any(|p| (p.along - point.along).abs() < 15.0));
                 }
             }
         }
@@ -155,4 +162,33 @@ fn ports_of_grids_face_each_other_across_their_cells() {
         facing * 10 > all * 7,
         "{facing} of {all} ports face another; {by_chance} of {of} do where nobody surveyed"
     );
+}
+
+#[test]
+fn cells_with_room_have_ports_and_open_spaces_have_none() {
+    let (mut roomy, mut poor) = (0, 0);
+    let (mut area_of_all, mut without_access) = (0.0, 0.0);
+    for number in 0..120 {
+        let case = any_settlement(number);
+        let town = case.plan();
+        let seams = seams(case.seed, &town, &vec![&case.style; town.cells.len()], &[]);
+        for (index, cell) in town.cells.iter().enumerate() {
+            let ports = cell_ports(&town, &seams, index).len();
+            if cell.used_as != CellUse::Built {
+                assert_eq!(ports, 0, "case {number}");
+                continue;
+            }
+            let (area, width) = (signed_area(&cell.border), pole(&cell.border, 2.0).1);
+            let street: f64 = cell.sides.iter().filter_map(|s| s.main).map(|m| town.mains[m].street.length()).sum();
+            if width >= 40.0 && street >= 220.0 {
+                assert!(ports > 0, "case {number}, cell at {:.0}: no port along {street:.0} m", cell.anchor);
+                roomy += 1;
+                poor += usize::from(ports < 2);
+            }
+            area_of_all += area;
+            without_access += if ports == 0 { area } else { 0.0 };
+        }
+    }
+    assert!(poor * 40 < roomy, "{poor} of {roomy} cells with room have one port");
+    assert!(without_access < 0.006 * area_of_all, "{:.4} of the land has no port", without_access / area_of_all);
 }

@@ -16,6 +16,11 @@ pub fn quantize(p: DVec2) -> DVec2 {
     (p / QUANTUM).round() * QUANTUM
 }
 
+/// Words that name a local position, for ids and random streams: the indices of the nearest point of the [`QUANTUM`] grid.
+pub fn quantum_key(p: DVec2) -> [u64; 2] {
+    (p / QUANTUM).round().as_i64vec2().to_array().map(|index| index as u64)
+}
+
 /// The whole-metre plan point that local positions are relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Origin(pub I64Vec2);

@@ -1,4 +1,4 @@
-//! Coordinates, seeds and random streams, deterministic math, boxes, polylines and disjoint sets.
+//! Coordinates, seeds and random streams, deterministic math, boxes, polylines, polygons and disjoint sets.
 //!
 //! The ground floor: knows no layer. Plan axes are x east, y north, in metres; angles are radians, counter-clockwise
 //! from east.
@@ -9,17 +9,19 @@ mod disjoint_sets;
 mod geographic;
 mod geometry;
 pub mod math;
+mod pole;
 mod polyline;
 mod seed;
 
 pub use bounds::Bounds;
-pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize};
+pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize, quantum_key};
 pub use disjoint_sets::DisjointSets;
 pub use geographic::Geographic;
 pub use geometry::{
     SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,
     segment_distance,
 };
+pub use pole::pole;
 pub use polyline::{
     Measured, centroid, closest_on_line, cut_line, distance_to_line, line_length, point_at, point_in_polygon,
     polygon_distance, resample, segments, signed_area,

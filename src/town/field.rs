@@ -189,18 +189,12 @@ mod tests {
     use super::*;
     use crate::space::Seed;
     use crate::terrain::TerrainSample;
-
-    struct Slope(DVec2);
-
-    impl Terrain for Slope {
-        fn sample(&self, p: DVec2) -> TerrainSample {
-            TerrainSample { height: 500.0 + self.0.dot(p), water_level: 0.0, vegetation: 0.0 }
-        }
-    }
+    use crate::testing::Ground;
 
     fn draw(kind: FieldKind, seed: u64, slope: DVec2) -> DirectionField {
         let bounds = Bounds::square(DVec2::ZERO, 1000.0);
-        DirectionField::draw(kind, &mut Seed(seed).stream("test", &[]), bounds, Origin::default(), &Slope(slope))
+        let height = move |p: DVec2| TerrainSample { height: 500.0 + slope.dot(p), water_level: 0.0, vegetation: 0.0 };
+        DirectionField::draw(kind, &mut Seed(seed).stream("test", &[]), bounds, Origin::default(), &Ground(height))
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which main streets are arterials: the ways from the gates through the centre. Of the gates on a border one counts.
+//! Which main streets are arterials: the cheapest ways from the gates of roads to the centre.
 
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, StreetClass, VertexIx};
@@ -8,10 +8,10 @@ use std::collections::BinaryHeap;
 
 /// Metres of detour that a turn of one radian at a junction is worth.
 const TURN_COST: f64 = 90.0;
-/// Cost of a metre of street that is an arterial already, so that ways from several gates join.
+/// Cost of a metre of street that is already an arterial, so that the ways from several gates join.
 const SHARED: f64 = 0.6;
 
-/// Makes the streets on the turn-penalised shortest ways from the gates to the centre arterials.
+/// Makes arterials of the streets on the turn-penalised shortest ways from the gates to the centre.
 pub(super) fn mark_arterials(sketch: &mut Sketch) {
     let g = &sketch.graph;
     let by_centre = |a: &VertexIx, b: &VertexIx| g.at(*a).length().total_cmp(&g.at(*b).length()).then(a.cmp(b));
@@ -21,9 +21,9 @@ pub(super) fn mark_arterials(sketch: &mut Sketch) {
     else {
         return;
     };
-    let mut order: Vec<usize> = (0..sketch.gates.len()).collect();
-    order.retain(|i| sketch.gates[*i].class < StreetClass::Main);
-    order.sort_by_key(|i| (sketch.gates[*i].class, sketch.gates[*i].vertex));
+    let mut order: Vec<usize> = (0..sketch.site.gates.len()).collect();
+    order.retain(|i| sketch.site.gates[*i].class < StreetClass::Main);
+    order.sort_by_key(|i| (sketch.site.gates[*i].class, sketch.site.gates[*i].vertex));
     for gate in order {
         if let Some(v) = sketch.gate_vertices[gate] {
             for e in way(sketch, v, hub) {
@@ -43,9 +43,8 @@ fn way(sketch: &Sketch, from: VertexIx, to: VertexIx) -> Vec<EdgeIx> {
     let mut best = vec![u64::MAX; slots];
     // Costs in millimetres: whole numbers have an order.
     let cost = |e: EdgeIx| {
-        let (a, b) = g.segment(e);
         let share = if g.edge(e).data == StreetClass::Arterial { SHARED } else { 1.0 };
-        (a.distance(b) * share * 1000.0) as u64
+        (g.edge_length(e) * share * 1000.0) as u64
     };
     let half = |e: EdgeIx, v: VertexIx| 2 * e as usize + usize::from(g.edge(e).a != v);
     let mut queue = BinaryHeap::new();

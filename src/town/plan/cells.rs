@@ -1,12 +1,11 @@
-//! Main streets and main cells, read off the finished graph.
+//! Main streets and main cells, read off the finished graphs.
 
-use super::border::Laid;
-use super::fringe::Borders;
-use super::pole::pole;
+use super::border::BorderStreets;
+use super::cell_graph::CellGraph;
 use super::sketch::Sketch;
 use crate::network::{Face, Junction, JunctionId, Street, StreetId, VertexIx};
 use crate::region::SettlementId;
-use crate::space::{QUANTUM, line_length, point_at, point_in_polygon, stable_hash};
+use crate::space::{line_length, point_at, point_in_polygon, pole, quantum_key, stable_hash};
 use crate::town::{CellId, CellSide, CellUse, MainCell, MainStreet};
 use glam::DVec2;
 
@@ -17,25 +16,25 @@ pub(super) struct Parts {
     pub cells: Vec<MainCell>,
 }
 
-/// Words that name a point of the quantum grid.
-fn words(p: DVec2) -> [u64; 2] {
-    (p / QUANTUM).round().as_i64vec2().to_array().map(|x| x as u64)
-}
-
-/// Reads junctions, streets and cells off the graph.
-pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders, laid: &Laid) -> Parts {
-    let (streets, graph) = (&sketch.graph, &borders.graph);
-    // A cut that meets a street divides it, so that a street has one cell on each side. At a gate on a border there is
-    // always a street of the neighbour, whatever there is on this side.
+/// Reads junctions, streets and cells off the sketch and the graph of its cells.
+pub(super) fn parts(
+    settlement: SettlementId,
+    sketch: &Sketch,
+    cell_graph: &CellGraph,
+    borders: &BorderStreets,
+) -> Parts {
+    let (streets, graph, site) = (&sketch.graph, &cell_graph.graph, &sketch.site);
+    // A cut that meets a street divides it, so that a street has one cell on each side. At a gate on a border the neighbour
+    // always has a street, whatever there is on this side.
     let is_junction = |v: VertexIx| {
         let degree = streets.degree(v);
-        let passed = laid.passes(v) && !sketch.is_gate(v);
+        let passed = borders.passes(v) && !sketch.is_gate(v);
         degree > 0 && !passed && (sketch.is_gate(v) || degree != 2 || graph.degree(v) != degree)
     };
     let id = |v: VertexIx| match sketch.gate_vertices.iter().position(|g| *g == Some(v)) {
-        Some(gate) => sketch.gates[gate].junction,
+        Some(gate) => site.gates[gate].junction,
         None => {
-            let [x, y] = words(streets.at(v));
+            let [x, y] = quantum_key(streets.at(v));
             JunctionId::of(&[settlement.0, 0x6a, x, y])
         }
     };
@@ -47,7 +46,7 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
     let mut mains = Vec::new();
     for mut chain in streets.chains(is_junction) {
         let mut vertices = streets.chain_vertices(&chain);
-        let shared = laid.street(chain[0].0);
+        let shared = borders.street(chain[0].0);
         if shared.is_some_and(|s| s.street.from != id(vertices[0])) {
             // Along a border the line runs the same way on both sides.
             vertices.reverse();
@@ -59,12 +58,12 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
             along[*e as usize] = (mains.len(), *forward);
         }
         let (from, to) = (id(vertices[0]), id(vertices[vertices.len() - 1]));
-        let [x, y] = words(point_at(&line, line_length(&line) / 2.0).0);
+        let [x, y] = quantum_key(point_at(&line, line_length(&line) / 2.0).0);
         let name = StreetId::of(&[settlement.0, 0x6d, from.0.min(to.0), from.0.max(to.0), x, y]);
         let street = match shared {
             Some(shared) => shared.street.clone(),
             None => {
-                let bridge = sketch.river.as_ref().is_some_and(|r| line.len() == 2 && r.way.crosses(line[0], line[1]));
+                let bridge = site.river.as_ref().is_some_and(|r| line.len() == 2 && r.way.crosses(line[0], line[1]));
                 Street {
                     bridge,
                     level: i8::from(bridge),
@@ -79,7 +78,7 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
     for face in graph.faces().into_iter().filter(|f| f.area() > 0.0) {
         let side_of = |i: usize| {
             let h = face.walk[i];
-            let (main, forward) = *along.get(*borders.edges.get(h.edge as usize)? as usize)?;
+            let (main, forward) = *along.get(*cell_graph.edges.get(h.edge as usize)? as usize)?;
             Some((main, forward == h.forward))
         };
         for (main, forward) in (0..face.walk.len()).filter_map(side_of) {
@@ -87,9 +86,9 @@ pub(super) fn parts(settlement: SettlementId, sketch: &Sketch, borders: &Borders
             *(if forward { &mut street.left } else { &mut street.right }) = cells.len();
         }
         let mut cell = cell(settlement, &face, side_of, |i| is_junction(face.vertices[i]));
-        if sketch.places.iter().any(|p| point_in_polygon(*p, &cell.border)) {
+        if sketch.open_spaces.iter().any(|p| point_in_polygon(*p, &cell.border)) {
             cell.used_as = CellUse::Open;
-        } else if sketch.river.as_ref().is_some_and(|river| river.holds(graph, &face)) {
+        } else if site.river.as_ref().is_some_and(|river| river.is_water(graph, &face)) {
             cell.used_as = CellUse::Water;
         }
         cells.push(cell);
@@ -126,7 +125,7 @@ fn cell(
     }
     // No two cells walk the same half-edge.
     let half_edge = |i: usize| {
-        let ([ax, ay], [bx, by]) = (words(border[i]), words(border[(i + 1) % n]));
+        let ([ax, ay], [bx, by]) = (quantum_key(border[i]), quantum_key(border[(i + 1) % n]));
         [ax, ay, bx, by]
     };
     let name = (0..n).map(half_edge).min().unwrap_or_default();

@@ -1,7 +1,9 @@
-//! Parametric growth of main streets (Teng 2017, section 2, Fig. 3, and the constraints of section 3.3): from a queue of
-//! vertices, streets are proposed, connected, clipped, or discarded.
+//! Parametric growth of main streets (Teng 2017, section 2, Fig. 3, and the constraints of section 3.3): streets are proposed
+//! from a queue of vertices, and connected, clipped or discarded.
 
-use super::sketch::{End, Sketch, tidy};
+use super::curves::{STEP, simplified};
+use super::proposal::Proposal;
+use super::sketch::{End, Sketch};
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::{angle_between, angle_of, direction, rotate, smoothstep, turn};
@@ -10,11 +12,8 @@ use crate::town::DirectionField;
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// Distance between the points of inflexion of a street that follows a curved field, in metres.
-pub(super) const STEP: f64 = 52.0;
-
-/// Grows the network from the centre outwards, and from the vertices `starts` of what was laid before. Every street starts at
-/// what is there already, so the result is one component.
+/// Grows the network from the centre and from the vertices `starts` outwards. Every street starts at the network that exists
+/// already, so the result is one component.
 pub(super) fn grow(
     sketch: &mut Sketch,
     field: &DirectionField,
@@ -34,7 +33,7 @@ pub(super) fn grow(
         for heading in headings(sketch, field, stream, v, least) {
             let before = sketch.graph.vertex_count() as VertexIx;
             let Some(end) = propose(sketch, field, stream, v, heading) else { continue };
-            // New are the points of inflexion, too: only the end grows on.
+            // Points of inflexion are new, too, but only the end grows on.
             let new_junction = sketch.graph.degree(end) != 2;
             if end >= before && new_junction {
                 queue.push((sketch.graph.at(end).length(), end));
@@ -44,8 +43,8 @@ pub(super) fn grow(
     Ok(())
 }
 
-/// Headings of the streets to propose at a vertex: enough for a degree drawn from the style's range, and `least` if it goes
-/// that far.
+/// Headings of the streets to propose at a vertex: enough for a degree that is drawn from the style's range and is at least
+/// `least`, if the range allows it.
 fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: VertexIx, least: usize) -> Vec<DVec2> {
     let (rules, g, at) = (&sketch.rules, &sketch.graph, sketch.graph.at(v));
     let (low, high) = rules.degree;
@@ -58,12 +57,12 @@ fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: Ver
     for i in (1..4).rev() {
         arms.swap(i, stream.index(i + 1));
     }
-    // Streets that run through come first.
+    // Straight continuations of streets come first.
     arms.sort_by_key(|a| !there.iter().any(|d| d.dot(*a) < -0.9));
     let mut all = there.clone();
     let mut out = Vec::new();
     let mut take = |heading: DVec2, all: &mut Vec<DVec2>| {
-        if out.len() < wanted && all.iter().all(|d| angle_between(*d, heading) >= rules.angle) {
+        if out.len() < wanted && all.iter().all(|d| angle_between(*d, heading) >= rules.min_angle) {
             all.push(heading);
             out.push(heading);
         }
@@ -77,7 +76,7 @@ fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: Ver
         take(rotate(from, rules.angle_deviation * swing * stream.signed()), &mut all);
     }
     for _ in 4..target {
-        // More than a cross has: into the widest gap.
+        // More streets than a cross has go into the widest gap.
         let mut angles: Vec<f64> = all.iter().map(|d| angle_of(*d)).collect();
         angles.sort_by(f64::total_cmp);
         let gap = |i: usize| match angles.get(i + 1) {
@@ -91,7 +90,7 @@ fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: Ver
     out
 }
 
-/// Proposes a street from `v`, connects or clips it, and adds it if it keeps to the rules. Its end.
+/// Proposes a street from `v`, connects or clips it, and adds it if it keeps to the rules; returns its end.
 fn propose(
     sketch: &mut Sketch,
     field: &DirectionField,
@@ -99,7 +98,7 @@ fn propose(
     v: VertexIx,
     heading: DVec2,
 ) -> Option<VertexIx> {
-    let (rules, limits) = (sketch.rules, sketch.limits());
+    let (rules, limits) = (sketch.rules, sketch.rules.limits());
     let mut length = rules.length + rules.deviation * stream.signed();
     let (start, at) = (End::Vertex(v), sketch.graph.at(v));
     if let Some(hub) = field.hub() {
@@ -111,19 +110,19 @@ fn propose(
             length = ring * rules.length - radius;
         }
     }
-    let traced = trace(field, at, heading, length + rules.snap);
+    let traced = trace(field, at, heading, length + rules.snap_radius);
     for (end, at) in attachments(sketch, v, &traced, length) {
         let path = bend_to(&traced, at);
-        if sketch.fits(&path, start, end, &limits) {
+        if Proposal::new(&path, start, end).fits(sketch, &limits) {
             return Some(sketch.add(&path, start, end).1);
         }
     }
-    // Nothing to attach to: the street ends free, and shorter where it would come too near to the outline.
+    // There is nothing to attach to: the street ends free, and earlier where it would come too near to the outline.
     let shortest = rules.min_length.max(0.6 * length);
     for share in [1.0, 0.8, 0.6] {
         let length = (length * share).max(shortest);
         let path = bend_to(&traced, point_at(&traced, length).0);
-        if sketch.fits(&path, start, End::Free, &limits) {
+        if Proposal::new(&path, start, End::Free).fits(sketch, &limits) {
             return Some(sketch.add(&path, start, End::Free).1);
         }
     }
@@ -139,7 +138,7 @@ fn trace(field: &DirectionField, from: DVec2, heading: DVec2, length: f64) -> Ve
     let mut out = vec![from];
     for i in 0..steps as usize {
         if i > 0 {
-            // A small deviation fades, so that streets of one field stay beside each other.
+            // A small deviation fades, so that the streets of one field stay parallel.
             let fade = if deviation.abs() > 0.35 { 1.0 } else { 1.0 - i as f64 / steps };
             let middle = p + d * (step / 2.0);
             d = rotate(field.along(middle, rotate(d, -deviation * fade)), deviation * fade);
@@ -150,10 +149,10 @@ fn trace(field: &DirectionField, from: DVec2, heading: DVec2, length: f64) -> Ve
     out
 }
 
-/// What the traced line may be connected to, best first: where it crosses a street, or what lies within the snap radius
-/// of its end.
+/// Ends to which the traced line may be connected, the best first: where it crosses a street, and what lies within the snap
+/// radius of its end.
 fn attachments(sketch: &Sketch, v: VertexIx, traced: &[DVec2], length: f64) -> Vec<(End, DVec2)> {
-    let (g, snap) = (&sketch.graph, sketch.rules.snap);
+    let (g, snap) = (&sketch.graph, sketch.rules.snap_radius);
     let hit = segments(traced).enumerate().find_map(|(i, (a, b))| {
         let hit = g.first_hit(a, b, |e| i == 0 && g.edges_at(v).contains(&e))?;
         Some((hit, line_length(&traced[..=i]) + a.distance(hit.at)))
@@ -204,25 +203,20 @@ fn bend_to(traced: &[DVec2], at: DVec2) -> Vec<DVec2> {
         let weight = if straight { t } else { smoothstep(0.0, 1.0, t) };
         if i == parts as usize { at } else { point_at(traced, along * t).0 + shift * weight }
     };
-    tidy((0..=parts as usize).map(at_part).collect())
+    simplified((0..=parts as usize).map(at_part).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::network::StreetClass;
+    use crate::region::Outline;
     use crate::space::{Origin, Seed};
+    use crate::testing::Flat;
     use crate::style::MainRules;
-    use crate::terrain::{Terrain, TerrainSample};
-    use crate::town::plan::sketch::{Limits, Rules};
-
-    struct Flat;
-
-    impl Terrain for Flat {
-        fn sample(&self, _: DVec2) -> TerrainSample {
-            TerrainSample { height: 10.0, water_level: 0.0, vegetation: 0.0 }
-        }
-    }
+    use crate::town::plan::rules::{Limits, Rules};
+    use crate::town::plan::site::Site;
+    use std::sync::LazyLock;
 
     fn rules() -> Rules {
         let style = MainRules {
@@ -237,12 +231,14 @@ mod tests {
         Rules::new(&style, 2000.0)
     }
 
-    const OUTLINE: [DVec2; 4] =
-        [DVec2::new(-2e3, -2e3), DVec2::new(2e3, -2e3), DVec2::new(2e3, 2e3), DVec2::new(-2e3, 2e3)];
+    static OUTLINE: LazyLock<Outline> = LazyLock::new(|| {
+        let polygon = [(-2e3, -2e3), (2e3, -2e3), (2e3, 2e3), (-2e3, 2e3)].map(DVec2::from).to_vec();
+        Outline { origin: Origin::default(), polygon, shared: Vec::new(), river: None }
+    });
 
-    /// A plain with streets drawn between places; junctions are where their ends coincide.
-    fn drawn(lines: &[&[(f64, f64)]]) -> Sketch<'static> {
-        let mut sketch = Sketch::new(&OUTLINE, &[], rules(), Origin::default(), &Flat);
+    /// A sketch on a plain with streets along the given lines; streets whose points coincide meet there.
+    fn sketch_of(lines: &[&[(f64, f64)]]) -> Sketch<'static> {
+        let mut sketch = Sketch::new(Site::new(&OUTLINE, &[], &Flat), rules());
         for line in lines {
             let vertices: Vec<VertexIx> = line.iter().map(|p| vertex(&mut sketch, *p)).collect();
             for pair in vertices.windows(2) {
@@ -258,7 +254,7 @@ mod tests {
         found.unwrap_or_else(|| sketch.graph.add_vertex(p))
     }
 
-    /// Proposes a street of 200 m to the north from a new street's end at a place; where it ends, and in what degree.
+    /// Proposes a street of 200 m to the north from a new vertex; returns where it ends, and the degree of its end.
     fn north(sketch: &mut Sketch, x: f64, y: f64) -> Option<(DVec2, usize)> {
         let v = sketch.graph.add_vertex(DVec2::new(x, y));
         let (field, mut stream) = (DirectionField::uniform(0.0), Seed(1).stream("test", &[]));
@@ -268,33 +264,33 @@ mod tests {
 
     #[test]
     fn a_street_ends_free_where_nothing_is_near() {
-        assert_eq!(north(&mut drawn(&[]), 0.0, 0.0), Some((DVec2::new(0.0, 200.0), 1)));
+        assert_eq!(north(&mut sketch_of(&[]), 0.0, 0.0), Some((DVec2::new(0.0, 200.0), 1)));
     }
 
     #[test]
     fn a_street_connects_to_the_nearest_junction_within_the_snap_radius() {
         let cross: [&[(f64, f64)]; 2] =
             [&[(-400.0, 230.0), (0.0, 230.0), (400.0, 230.0)], &[(0.0, 230.0), (0.0, 500.0)]];
-        assert_eq!(north(&mut drawn(&cross), 30.0, 0.0), Some((DVec2::new(0.0, 230.0), 4)));
+        assert_eq!(north(&mut sketch_of(&cross), 30.0, 0.0), Some((DVec2::new(0.0, 230.0), 4)));
         // Another junction, nearer to the end.
         let nearer: [&[(f64, f64)]; 2] = [cross[0], &[(-400.0, 230.0), (-400.0, 500.0)]];
-        let (at, degree) = north(&mut drawn(&nearer), 30.0, 0.0).unwrap();
+        let (at, degree) = north(&mut sketch_of(&nearer), 30.0, 0.0).unwrap();
         assert!(at.distance(DVec2::new(30.0, 230.0)) < 0.01 && degree == 3, "{at} {degree}");
     }
 
     #[test]
     fn a_street_makes_an_intersection_with_an_edge_within_the_snap_radius() {
         let bar: [&[(f64, f64)]; 1] = [&[(-400.0, 240.0), (400.0, 240.0)]];
-        assert_eq!(north(&mut drawn(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 240.0), 3)));
+        assert_eq!(north(&mut sketch_of(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 240.0), 3)));
     }
 
     #[test]
     fn a_street_is_clipped_where_it_meets_another() {
         let bar: [&[(f64, f64)]; 1] = [&[(-400.0, 130.0), (400.0, 130.0)]];
-        assert_eq!(north(&mut drawn(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 130.0), 3)));
+        assert_eq!(north(&mut sketch_of(&bar), 30.0, 0.0), Some((DVec2::new(30.0, 130.0), 3)));
     }
 
-    /// Whether a straight street from a new place may end at a place of the drawing.
+    /// Whether a straight street from a new vertex may attach to the sketch at an end.
     fn fits(sketch: &mut Sketch, from: (f64, f64), end: End, limits: &Limits) -> bool {
         let v = vertex(sketch, from);
         let to = match end {
@@ -302,7 +298,7 @@ mod tests {
             End::Edge(_, p) => p,
             _ => DVec2::ZERO,
         };
-        sketch.fits(&[DVec2::from(from), to], End::Vertex(v), end, limits)
+        Proposal::new(&[DVec2::from(from), to], End::Vertex(v), end).fits(sketch, limits)
     }
 
     #[test]
@@ -311,25 +307,25 @@ mod tests {
         for (rise, fine) in [(0.0, true), (25.0, true), (29.0, true), (31.0, false), (60.0, false)] {
             let way = direction(f64::to_radians(rise)) * 600.0;
             let (a, b) = (DVec2::Y * 150.0 - way, DVec2::Y * 150.0 + way);
-            let mut sketch = drawn(&[&[a.into(), b.into()]]);
-            let limits = sketch.limits();
+            let mut sketch = sketch_of(&[&[a.into(), b.into()]]);
+            let limits = sketch.rules.limits();
             assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Edge(0, DVec2::Y * 150.0), &limits), fine, "{rise}");
         }
-        let mut sketch = drawn(&[&[(0.0, 150.0), (200.0, 50.0)]]);
-        let limits = sketch.limits();
+        let mut sketch = sketch_of(&[&[(0.0, 150.0), (200.0, 50.0)]]);
+        let limits = sketch.rules.limits();
         assert!(!fits(&mut sketch, (100.0, -60.0), End::Vertex(0), &limits), "beside the street at the junction");
     }
 
     #[test]
     fn connecting_and_clipping_are_discarded_for_a_short_part_of_a_split_street() {
         for (x, fine) in [(0.0, true), (95.0, true), (105.0, false), (180.0, false)] {
-            // Junctions at both ends of the piece that is split.
-            let mut sketch = drawn(&[
+            // There are junctions at both ends of the street that is split.
+            let mut sketch = sketch_of(&[
                 &[(-300.0, 150.0), (-200.0, 150.0), (200.0, 150.0), (300.0, 150.0)],
                 &[(-200.0, 150.0), (-200.0, 400.0)],
                 &[(200.0, 150.0), (200.0, 400.0)],
             ]);
-            let limits = sketch.limits();
+            let limits = sketch.rules.limits();
             let edge = sketch.graph.edges_near(Bounds::of([DVec2::new(x, 150.0)]))[0];
             assert_eq!(fits(&mut sketch, (x, 0.0), End::Edge(edge, DVec2::new(x, 150.0)), &limits), fine, "{x}");
         }
@@ -338,14 +334,14 @@ mod tests {
     #[test]
     fn connecting_is_discarded_at_a_full_junction() {
         for (most, fine) in [(5, true), (4, false), (3, false)] {
-            let mut sketch = drawn(&[&[(0.0, 150.0), (300.0, 250.0)], &[(0.0, 150.0), (-300.0, 250.0)]]);
+            let mut sketch = sketch_of(&[&[(0.0, 150.0), (300.0, 250.0)], &[(0.0, 150.0), (-300.0, 250.0)]]);
             for (i, x) in [-40.0, 40.0].into_iter().enumerate() {
                 let v = vertex(&mut sketch, (x, 450.0));
                 sketch.graph.add_edge(0, v, StreetClass::Main);
                 assert_eq!(sketch.graph.degree(0), 3 + i);
             }
             sketch.rules.degree = (3, most);
-            let limits = sketch.limits();
+            let limits = sketch.rules.limits();
             assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Vertex(0), &limits), fine, "{most}");
         }
     }
@@ -353,8 +349,8 @@ mod tests {
     #[test]
     fn short_streets_are_discarded() {
         for (length, fine) in [(99.0, false), (101.0, true)] {
-            let mut sketch = drawn(&[&[(-400.0, length), (400.0, length)]]);
-            let limits = sketch.limits();
+            let mut sketch = sketch_of(&[&[(-400.0, length), (400.0, length)]]);
+            let limits = sketch.rules.limits();
             assert_eq!(fits(&mut sketch, (0.0, 0.0), End::Edge(0, DVec2::Y * length), &limits), fine, "{length}");
         }
     }
@@ -363,7 +359,7 @@ mod tests {
     fn headings_keep_to_the_degree_range_and_the_angle_deviation() {
         for number in 0..200 {
             let mut stream = Seed(number).stream("test", &[]);
-            let mut sketch = drawn(&[&[(0.0, -300.0), (0.0, 0.0)]]);
+            let mut sketch = sketch_of(&[&[(0.0, -300.0), (0.0, 0.0)]]);
             sketch.rules.degree = (2 + stream.index(2), 4 + stream.index(2));
             sketch.rules.angle_deviation = stream.range(0.0, 0.3);
             let field = DirectionField::uniform(0.0);
@@ -378,7 +374,7 @@ mod tests {
             for heading in found.iter().take(3) {
                 let off = angle_between(field.along(DVec2::ZERO, *heading), *heading);
                 assert!(off <= sketch.rules.angle_deviation + 1e-9, "{off}");
-                assert!(all.iter().all(|d| angle_between(*d, *heading) >= sketch.rules.angle - 1e-9));
+                assert!(all.iter().all(|d| angle_between(*d, *heading) >= sketch.rules.min_angle - 1e-9));
                 all.push(*heading);
             }
         }

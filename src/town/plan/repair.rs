@@ -1,13 +1,13 @@
-//! Repairs of the grown network: cells that are too wide get a street across, slivers lose one.
+//! Repairs of the grown network: streets divide faces that are too large, streets around faces that are too small go,
+//! corners become round.
 
-use super::grow::STEP;
-use super::link::smooth;
-use super::pole::pole;
-use super::sketch::{End, Limits, Sketch, tidy};
+use super::curves::{STEP, cubic, simplified};
+use super::proposal::Proposal;
+use super::sketch::{End, Sketch};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Face, StreetClass, VertexIx};
 use crate::space::math::{angle_between, cos};
-use crate::space::{left_normal, quantize, segments, signed_area};
+use crate::space::{left_normal, pole, quantize, segments, signed_area};
 use crate::town::DirectionField;
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -16,32 +16,36 @@ use std::f64::consts::PI;
 const MIN_AREA: (f64, f64) = (2500.0, 0.12);
 /// Least radius of the largest circle in a main cell, in metres, and as a share of the length of a street.
 const MIN_INRADIUS: (f64, f64) = (15.0, 0.1);
-/// Cells wider than this share of a cell of regular growth are divided.
-const WIDE: f64 = 1.9;
-/// Turns sharper than this are rounded, in radians.
+/// Cells larger than this many cells of regular growth are divided.
+const LARGE: f64 = 1.9;
+/// Points of inflexion that turn by more than this are rounded, in radians.
 const SHARP: f64 = 0.45;
 /// Greatest distance from a corner at which its rounding begins, in metres.
 const CORNER: f64 = 45.0;
 /// Distance that a rounded corner keeps from streets that it does not join, in metres.
 const CORNER_ROOM: f64 = 18.0;
 
-/// A place on a face's border from which a street could cross the face.
-struct Place {
+/// A point of a face's border from which a street could cross the face.
+struct Start {
     end: End,
     at: DVec2,
-    /// Index of the half-edge of the walk that it lies on or begins.
+    /// Index of the half-edge of the walk that it lies on, or that starts at it.
     index: usize,
     /// Best direction into the face.
     inward: DVec2,
 }
 
 /// Divides inner faces that are much larger than the style's cells by streets across them.
-pub(super) fn divide_wide(sketch: &mut Sketch, field: &DirectionField, cancel: &Cancel) -> Result<(), LayerError> {
-    let most = WIDE * sketch.rules.length * sketch.rules.length;
+pub(super) fn divide_large_faces(
+    sketch: &mut Sketch,
+    field: &DirectionField,
+    cancel: &Cancel,
+) -> Result<(), LayerError> {
+    let most = LARGE * sketch.rules.length * sketch.rules.length;
     for _ in 0..4 {
-        let wide: Vec<Face> = sketch.graph.faces().into_iter().filter(|f| f.area() > most).collect();
+        let large: Vec<Face> = sketch.graph.faces().into_iter().filter(|f| f.area() > most).collect();
         let mut changed = false;
-        for face in wide {
+        for face in large {
             cancel.check()?;
             // A street across one face may end on the border of the next, which then has to be walked anew.
             let fresh = face.walk.iter().all(|h| sketch.graph.is_live(h.edge));
@@ -56,8 +60,8 @@ pub(super) fn divide_wide(sketch: &mut Sketch, field: &DirectionField, cancel: &
 
 fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
     let (g, n) = (&sketch.graph, face.walk.len());
-    let limits = Limits { turn: 0.5, ..sketch.limits() };
-    let mut places = Vec::new();
+    let limits = sketch.rules.limits();
+    let mut starts = Vec::new();
     for i in 0..n {
         let v = face.vertices[i];
         let (at, next, last) = (face.polygon[i], face.polygon[(i + 1) % n], face.polygon[(i + n - 1) % n]);
@@ -72,19 +76,19 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
             } else {
                 -middle.normalize()
             };
-            places.push(Place { end: End::Vertex(v), at, index: i, inward });
+            starts.push(Start { end: End::Vertex(v), at, index: i, inward });
         }
         let steps = (at.distance(next) / STEP).floor() as usize;
         for k in 1..=steps {
             let p = at.lerp(next, k as f64 / (steps + 1) as f64);
             let inward = left_normal(next - at).normalize_or_zero();
-            places.push(Place { end: End::Edge(face.walk[i].edge, p), at: p, index: i, inward });
+            starts.push(Start { end: End::Edge(face.walk[i].edge, p), at: p, index: i, inward });
         }
     }
     let area = face.area();
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-    for (i, a) in places.iter().enumerate() {
-        for (j, b) in places.iter().enumerate().skip(i + 1) {
+    for (i, a) in starts.iter().enumerate() {
+        for (j, b) in starts.iter().enumerate().skip(i + 1) {
             let line = b.at - a.at;
             let distance = line.length();
             if distance < limits.min_length || distance > 2.2 * sketch.rules.length || a.index == b.index {
@@ -113,12 +117,12 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
     for (_, i, j) in pairs.into_iter().take(60) {
-        let (a, b) = (&places[i], &places[j]);
+        let (a, b) = (&starts[i], &starts[j]);
         let beeline = (b.at - a.at).normalize_or_zero();
         // Square to the streets at both ends where that is not far from the way across.
         let blend = |inward: DVec2, line: DVec2| (line * 2.0 + inward).normalize_or_zero();
-        let path = tidy(smooth(a.at, blend(a.inward, beeline), b.at, -blend(b.inward, -beeline)));
-        if path.len() > 1 && sketch.fits(&path, a.end, b.end, &limits) {
+        let path = simplified(cubic(a.at, blend(a.inward, beeline), b.at, -blend(b.inward, -beeline)));
+        if path.len() > 1 && Proposal::new(&path, a.end, b.end).fits(sketch, &limits) {
             sketch.add(&path, a.end, b.end);
             return true;
         }
@@ -126,9 +130,9 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
     false
 }
 
-/// Takes away what lies inside a face and hangs on one junction of its border.
+/// Removes the streets inside a face that hang on one junction of its border.
 pub(super) fn drop_pockets(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
-    // Each round takes streets away, so this ends; the bound only guards the time.
+    // Each round removes streets, so this ends; the bound only guards the time.
     for _ in 0..64 {
         cancel.check()?;
         let pocket = sketch.graph.faces().iter().filter(|f| f.area() > 0.0).find_map(|face| {
@@ -156,12 +160,12 @@ pub(super) fn drop_pockets(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
     Ok(())
 }
 
-/// Rounds the corners that streets make away from junctions.
+/// Rounds sharp points of inflexion.
 pub(super) fn round_corners(sketch: &mut Sketch) {
     for v in sketch.graph.vertices() {
         let g = &sketch.graph;
         let [e, f] = *g.edges_at(v) else { continue };
-        if sketch.on_bank(v) {
+        if sketch.is_on_bank(v) {
             continue;
         }
         let (a, b, at) = (g.edge(e).other(v), g.edge(f).other(v), g.at(v));
@@ -191,7 +195,7 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
     }
 }
 
-/// Takes streets that are no arterials from faces too small or too narrow to be filled.
+/// Removes streets that are no arterials around faces too small or too narrow to be filled.
 pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
     let length = sketch.rules.length;
     let least_area = MIN_AREA.0.max(MIN_AREA.1 * length * length);
@@ -201,11 +205,11 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
         cancel.check()?;
         let faces = sketch.graph.faces();
         let sliver = |f: &Face| {
-            if sketch.river.as_ref().is_some_and(|river| river.holds(&sketch.graph, f)) {
+            if sketch.site.river.as_ref().is_some_and(|river| river.is_water(&sketch.graph, f)) {
                 return false;
             }
             let area = f.area();
-            let around: f64 = f.walk.iter().map(|h| sketch.graph.segment(h.edge)).map(|(a, b)| a.distance(b)).sum();
+            let around: f64 = f.walk.iter().map(|h| sketch.graph.edge_length(h.edge)).sum();
             // No region has an inradius below its area over its perimeter.
             area > 0.0
                 && (area < least_area || (area < least_radius * around && pole(&f.polygon, 2.0).1 < least_radius))
@@ -217,7 +221,7 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
             sketch.graph.remove_edge(e);
         }
         sketch.prune();
-        if sketch.graph.edges().next().is_none() {
+        if sketch.is_empty() {
             // A small ring is better than no street.
             sketch.graph = before;
             break;
@@ -235,7 +239,7 @@ fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     for chain in g.chains(ends) {
         let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
         let to_gate = || g.chain_vertices(&chain).into_iter().any(|v| sketch.is_gate(v));
-        let waterside = |e: &EdgeIx| sketch.river.as_ref().is_some_and(|river| river.owns(g, *e));
+        let waterside = |e: &EdgeIx| sketch.site.river.as_ref().is_some_and(|river| river.has_street(g, *e));
         if !around.contains(&edges[0])
             || edges.iter().any(waterside)
             || edges.iter().any(|e| g.edge(*e).data == StreetClass::Arterial)
@@ -243,7 +247,7 @@ fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
         {
             continue;
         }
-        let length: f64 = edges.iter().map(|e| g.segment(*e)).map(|(a, b)| a.distance(b)).sum();
+        let length: f64 = edges.iter().map(|e| g.edge_length(*e)).sum();
         if best.as_ref().is_none_or(|(l, _)| length > *l) {
             best = Some((length, edges));
         }

@@ -1,17 +1,16 @@
 //! What holds for every planned settlement, over many made-up ones.
 
 use crate::network::{PlanarGraph, StreetClass};
-use crate::space::{point_in_polygon, segment_crossing, segments, signed_area};
-use crate::town::Town;
-use crate::town::sample::{Case, case};
+use crate::space::math::angle_between;
+use crate::space::{Bounds, point_in_polygon, pole, quantize, segment_crossing, segments, signed_area};
+use crate::testing::{SettlementCase, any_settlement};
+use crate::town::{CellUse, MainCell, MainStreet, Town};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Every segment of a town's main streets, with the index of its street.
+/// All segments of a town's main streets, with the indices of their streets.
 fn all_segments(town: &Town) -> Vec<(usize, DVec2, DVec2)> {
-    let of = |(i, m): (usize, &crate::town::MainStreet)| {
-        segments(&m.street.line).map(move |(a, b)| (i, a, b)).collect::<Vec<_>>()
-    };
+    let of = |(i, m): (usize, &MainStreet)| segments(&m.street.line).map(move |(a, b)| (i, a, b)).collect::<Vec<_>>();
     town.mains.iter().enumerate().flat_map(of).collect()
 }
 
@@ -19,10 +18,10 @@ fn key(p: DVec2) -> [u64; 2] {
     p.to_array().map(f64::to_bits)
 }
 
-fn check(case: &Case, town: &Town, what: &str) {
+fn check(case: &SettlementCase, town: &Town, what: &str) {
     let polygon = &case.outline.polygon;
     assert!(!town.mains.is_empty(), "{what}: no streets");
-    // One component that holds all gates; no dead ends but these.
+    // One component that holds all gates, which are the only dead ends.
     let mut g = PlanarGraph::new();
     let mut vertex = BTreeMap::new();
     for (_, a, b) in all_segments(town) {
@@ -37,13 +36,13 @@ fn check(case: &Case, town: &Town, what: &str) {
     }
     for (at, v) in &vertex {
         assert!(g.degree(*v) > 1 || gates.contains(at), "{what}: a dead end at {}", g.at(*v));
-        assert!(g.at(*v) == crate::space::quantize(g.at(*v)));
+        assert!(g.at(*v) == quantize(g.at(*v)));
     }
-    // No two segments meet but in a common point of both.
+    // Two segments meet at a common end only.
     let edges: Vec<_> = g.edges().map(|(e, _)| e).collect();
     for &e in &edges {
         let (a, b) = g.segment(e);
-        for f in g.edges_near(crate::space::Bounds::of([a, b])) {
+        for f in g.edges_near(Bounds::of([a, b])) {
             let (c, d) = g.segment(f);
             if let Some(x) = segment_crossing(a, b, c, d)
                 && f > e
@@ -104,7 +103,7 @@ fn check(case: &Case, town: &Town, what: &str) {
 #[test]
 fn every_settlement_is_planned_whole() {
     for number in (0..60).chain(1000..1200) {
-        let case = case(number);
+        let case = any_settlement(number);
         check(&case, &case.plan(), &format!("case {number}"));
     }
 }
@@ -112,7 +111,7 @@ fn every_settlement_is_planned_whole() {
 #[test]
 fn the_same_arguments_give_the_same_town_and_others_another() {
     for number in 0..8 {
-        let mut case = case(number);
+        let mut case = any_settlement(number);
         let (a, b) = (case.plan(), case.plan());
         assert!(a.mains == b.mains && a.cells == b.cells && a.junctions == b.junctions);
         if case.settlement.radius > 500.0 {
@@ -125,11 +124,94 @@ fn the_same_arguments_give_the_same_town_and_others_another() {
 #[test]
 fn arterials_run_from_every_gate() {
     for number in 0..20 {
-        let case = case(number);
+        let case = any_settlement(number);
         let town = case.plan();
         for gate in &case.gates {
             let street = town.mains.iter().find(|m| m.street.from == gate.junction || m.street.to == gate.junction);
             assert_eq!(street.unwrap().street.class, StreetClass::Arterial, "case {number}");
         }
     }
+}
+
+#[test]
+fn main_cells_have_the_size_and_width_that_streets_need() {
+    let (mut built, mut slim, mut large) = (0, 0, 0);
+    for number in 0..120 {
+        let case = any_settlement(number);
+        let town = case.plan();
+        let length = case.style.main.length.min(0.55 * case.settlement.radius).max(60.0);
+        for cell in town.cells.iter().filter(|c| c.used_as == CellUse::Built) {
+            let (area, width) = (signed_area(&cell.border), pole(&cell.border, 2.0).1);
+            let fringe = cell.sides.iter().any(|s| s.main.is_none());
+            let what = format!("case {number}, cell at {:.0}: {area:.0} m2, {width:.0} m", cell.anchor);
+            // Inner cells are those that the style asks for.
+            assert!(fringe || width >= 12.0, "{what}: slim");
+            assert!(fringe || area <= 2.6 * length * length || length < 100.0, "{what}: large for {length:.0} m");
+            built += 1;
+            slim += usize::from(width < 20.0);
+            large += usize::from(area > 3.0 * length.max(170.0) * length.max(170.0));
+        }
+    }
+    assert!(slim * 40 < built, "{slim} of {built} cells are slim");
+    assert!(large * 60 < built, "{large} of {built} cells are large");
+}
+
+/// Directions, away from a corner of a cell, of the main streets that meet it there but do not run along the cell.
+fn streets_from(town: &Town, cell: &MainCell, corner: DVec2) -> Vec<DVec2> {
+    let along_cell = |i: usize| cell.sides.iter().any(|s| s.main == Some(i));
+    let others = town.mains.iter().enumerate().filter(|(i, _)| !along_cell(*i));
+    others
+        .filter_map(|(_, m)| {
+            let line = &m.street.line;
+            let leaving = |a: DVec2, b: DVec2| (a == corner).then_some(b - a);
+            leaving(line[0], line[1]).or(leaving(line[line.len() - 1], line[line.len() - 2]))
+        })
+        .collect()
+}
+
+#[test]
+fn roundabouts_and_squares_lie_open_among_main_streets() {
+    let (mut spaces, mut streets) = (0, 0);
+    for number in (0..120).step_by(2) {
+        let mut case = any_settlement(number);
+        let what = format!("case {number}");
+        let town = case.plan();
+        for cell in town.cells.iter().filter(|c| c.used_as == CellUse::Open) {
+            spaces += 1;
+            assert!(cell.sides.iter().all(|s| s.main.is_some()) && cell.sides.len() >= 3, "{what}");
+            let (area, width) = (signed_area(&cell.border), pole(&cell.border, 1.0).1);
+            assert!(area > 600.0 && area < 12_000.0 && width > 14.0, "{what}: {area:.0} m2, {width:.0} m wide");
+            for side in &cell.sides {
+                // No two junctions around the space are near each other, and the streets that lead to it meet it squarely.
+                let corner = cell.border[side.first];
+                let next = cell.border[(side.first + side.count) % cell.border.len()];
+                assert!(corner.distance(next) > 12.0, "{what}: junctions {:.1} m apart", corner.distance(next));
+                let outward = (corner - cell.anchor).normalize_or_zero();
+                for leaving in streets_from(&town, cell, corner) {
+                    streets += 1;
+                    assert!(angle_between(leaving, outward) < 0.9, "{what}: a street leaves towards {leaving}");
+                }
+            }
+        }
+        (case.style.main.roundabouts, case.style.main.squares) = (0.0, 0.0);
+        assert!(case.plan().cells.iter().all(|c| c.used_as == CellUse::Built), "{what}: a space that no rule asks for");
+    }
+    assert!(spaces > 20 && streets >= 3 * spaces, "{spaces} open spaces, {streets} streets that lead there");
+}
+
+#[test]
+fn junctions_keep_to_the_degree_range() {
+    let (mut junctions, mut full) = (0, 0);
+    for number in 0..120 {
+        let case = any_settlement(number);
+        let town = case.plan();
+        for junction in &town.junctions {
+            let ends = town.mains.iter().flat_map(|m| [m.street.from, m.street.to]);
+            let degree = ends.filter(|id| *id == junction.id).count();
+            junctions += 1;
+            full += usize::from(degree > case.style.main.degree.1 as usize);
+        }
+    }
+    // Gates that have no other way than straight to the centre may exceed the range.
+    assert!(full * 200 < junctions, "{full} of {junctions} junctions have too many streets");
 }

@@ -1,23 +1,24 @@
-//! Made-up settlements for the tests of this layer and the next.
+//! Settlements with an outline, gates, a style and ground.
 
-use super::*;
 use crate::layer::Cancel;
-use crate::network::SizeClass;
 use crate::network::{JunctionId, StreetClass};
-use crate::region::SettlementId;
+use crate::region::{Gate, Outline, Settlement, SettlementId, SizeClass};
 use crate::space::math::{angle_of, direction, rotate, sin};
-use crate::space::{Seed, Stream, quantize};
-use crate::style::{FieldKind, Style};
+use crate::space::{Origin, Seed, Stream, quantize};
 use crate::terrain::{Terrain, TerrainSample};
+use crate::style::{FieldKind, Style};
+use crate::town::{Town, plan};
+use glam::{DVec2, I64Vec2};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-/// Ground with hills of a given height, and sea north of a line.
-pub(crate) struct Hills {
+/// Hills of a given height, and sea north of a line.
+pub(crate) struct Coast {
     pub height: f64,
     pub shore: f64,
 }
 
-impl Terrain for Hills {
+impl Terrain for Coast {
     fn sample(&self, p: DVec2) -> TerrainSample {
         let waves = sin(p.x / 310.0 + 1.0) * sin(p.y / 270.0) + 0.4 * sin(p.x / 130.0 - p.y / 170.0);
         let land = 100.0 + self.height * waves;
@@ -25,38 +26,39 @@ impl Terrain for Hills {
     }
 }
 
-/// A town that is planned, with what it was planned from.
-pub(crate) struct Case {
+/// A settlement with everything that its plan reads.
+pub(crate) struct SettlementCase {
     pub seed: Seed,
     pub settlement: Arc<Settlement>,
     pub outline: Arc<Outline>,
     pub gates: Vec<Gate>,
     pub style: Style,
-    pub terrain: Hills,
+    pub terrain: Coast,
 }
 
-impl Case {
+impl SettlementCase {
     pub fn plan(&self) -> Town {
         let (s, o) = (&self.settlement, &self.outline);
         plan(self.seed, s, o, self.gates.clone(), &self.style, &self.terrain, &Cancel::new()).unwrap()
     }
 }
 
-/// A settlement of a kind and size that are drawn from `number`, too.
-pub(crate) fn case(number: u64) -> Case {
+/// The settlement that `number` stands for; kind and size are drawn from it, too.
+pub(crate) fn any_settlement(number: u64) -> SettlementCase {
     let mut s = Seed(number).stream("sample", &[1]);
     let field = FieldKind::ALL[s.index(4)];
     let radius = 120.0 + 1580.0 * s.unit() * s.unit();
     let gates = s.index(10);
-    case_of(number, field, radius, gates)
+    settlement(number, field, radius, gates)
 }
 
-pub(crate) fn case_of(number: u64, field: FieldKind, radius: f64, gates: usize) -> Case {
+/// A settlement of a given kind, size in metres and number of gates; all else is drawn from `number`.
+pub(crate) fn settlement(number: u64, field: FieldKind, radius: f64, gates: usize) -> SettlementCase {
     let mut s = Seed(number).stream("sample", &[2]);
     let seed = Seed(s.bits());
     let shore = if s.chance(0.3) { radius * s.range(0.25, 0.6) } else { f64::INFINITY };
-    let terrain = Hills { height: if s.chance(0.5) { 0.0 } else { s.range(5.0, 30.0) }, shore: shore + 5.0 };
-    let origin = Origin(glam::I64Vec2::new(0, 0));
+    let terrain = Coast { height: if s.chance(0.5) { 0.0 } else { s.range(5.0, 30.0) }, shore: shore + 5.0 };
+    let origin = Origin(I64Vec2::ZERO);
     let polygon = polygon(&mut s, radius, shore);
     let gates = draw_gates(&mut s, &polygon, gates);
     let settlement = Arc::new(Settlement {
@@ -80,7 +82,7 @@ pub(crate) fn case_of(number: u64, field: FieldKind, radius: f64, gates: usize) 
         (style.main.roundabouts, style.main.squares) = (0.5, 0.5);
     }
     style.check().unwrap();
-    Case {
+    SettlementCase {
         seed,
         settlement,
         outline: Arc::new(Outline { origin, polygon, shared: Vec::new(), river: None }),

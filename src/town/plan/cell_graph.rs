@@ -1,56 +1,55 @@
-//! The graph of main streets and outline, and the cuts that divide the fringe between them.
+//! The graph whose faces are the main cells: main streets, the outline, and cuts that divide the fringe between them.
 
-use super::border::Laid;
-use super::pole::pole;
+use super::border::BorderStreets;
+use super::river::River;
 use super::sketch::Sketch;
-use super::water::along_bank;
 use crate::network::{EdgeIx, Face, PlanarGraph, StreetClass, VertexIx};
-use crate::region::Waterway;
-use crate::space::{Bounds, closest_on_segment};
+use crate::space::{Bounds, closest_on_segment, pole};
 use glam::DVec2;
 
 /// Least angle between a cut and what it meets, in radians.
 const CUT_ANGLE: f64 = 0.65;
-/// Distance that cuts keep from streets and outline, in metres.
+/// Distance that cuts keep from streets and from the outline, in metres.
 const CUT_GAP: f64 = 30.0;
-/// Fringe cells larger than this share of a cell of regular growth are divided.
-const WIDE: f64 = 1.25;
-
+/// Fringe cells larger than this many cells of regular growth are divided.
+const LARGE: f64 = 1.25;
 /// Least length of main streets along both parts of a divided fringe cell, in metres and as a share of the length of a
-/// street: what has no street stays empty.
+/// street: land without a street stays empty.
 const LEAST_FRONTAGE: (f64, f64) = (140.0, 0.75);
-/// Fringe cells with a smaller inscribed circle than this radius, in metres, are joined with a neighbour.
+/// Fringe cells whose largest inscribed circle has a smaller radius than this are merged with a neighbour, in metres.
 const SLIM: f64 = 26.0;
-/// Greatest area of a fringe cell that was joined, as a share of a cell of regular growth.
-const JOINED: f64 = 2.0;
+/// Fringe cells with less than this share of the area of a cell of regular growth are merged with a neighbour.
+const SMALL: f64 = 0.12;
+/// Greatest area of a merged fringe cell, in cells of regular growth.
+const MERGED: f64 = 2.0;
 /// Number of cuts that are tried in one face.
 const MOST_TRIES: usize = 120;
-/// Width of a regular cell in villages, whose streets are short, in metres: at least, and where one street runs through, so
-/// that lanes have the room between it and the fields.
+/// Least width of a cell of regular growth, in metres: anywhere, since villages have short streets; and where one street runs
+/// through, so that there is room for lanes between the street and the fields.
 const LEAST_WIDTH: (f64, f64) = (170.0, 260.0);
 
-/// Edges of the graph carry the class of the main street, `None` on the outline and on cuts. Vertices and edges of the
-/// sketch come first, in their order; then the vertices of the outline that are no gates.
-pub(super) type BorderGraph = PlanarGraph<Option<StreetClass>>;
+/// A graph of cell boundaries. Edges carry the class of the main street; those of the outline and of cuts carry `None`. The
+/// vertices and edges of the sketch come first, in their order, then the vertices of the outline that are no gates.
+type BoundaryGraph = PlanarGraph<Option<StreetClass>>;
 
 /// Main streets, outline and cuts: every inner face is a main cell.
-pub(super) struct Borders {
-    pub graph: BorderGraph,
-    /// For each of the first edges of `graph`, the sketch's edge that it copies.
+pub(super) struct CellGraph {
+    pub graph: BoundaryGraph,
+    /// For each of the first edges of `graph`, the sketch's edge that it is a copy of.
     pub edges: Vec<EdgeIx>,
 }
 
 /// A cut that could divide a face.
 struct Cut {
-    score: f64,
+    cost: f64,
     from: VertexIx,
     to: VertexIx,
 }
 
-/// Joins the network and the outline, and cuts the fringe into cells. Cuts leave the streets along borders alone, which
-/// belong to the neighbours, too.
-pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
-    let mut graph = BorderGraph::new();
+/// Joins the network and the outline, and cuts the fringe into cells. No cut starts at a street along a border, since that
+/// street belongs to the neighbour, too.
+pub(super) fn cell_graph(sketch: &Sketch, borders: &BorderStreets) -> CellGraph {
+    let mut graph = BoundaryGraph::new();
     for v in sketch.graph.vertices() {
         graph.add_vertex(sketch.graph.at(v));
     }
@@ -60,11 +59,12 @@ pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
         edges.push(e);
     }
     let streets = graph.vertex_count() as VertexIx;
-    let ring: Vec<VertexIx> = (0..sketch.outline.len())
+    let site = &sketch.site;
+    let ring: Vec<VertexIx> = (0..site.outline.len())
         .map(|i| {
-            let gate = sketch.gates.iter().position(|g| g.vertex == i);
-            let there = laid.vertex(i).or_else(|| gate.and_then(|g| sketch.gate_vertices[g]));
-            there.unwrap_or_else(|| graph.add_vertex(sketch.outline[i]))
+            let gate = site.gates.iter().position(|g| g.vertex == i);
+            let known = borders.vertex(i).or_else(|| gate.and_then(|g| sketch.gate_vertices[g]));
+            known.unwrap_or_else(|| graph.add_vertex(site.outline[i]))
         })
         .collect();
     for i in 0..ring.len() {
@@ -73,26 +73,26 @@ pub(super) fn borders(sketch: &Sketch, laid: &Laid) -> Borders {
             graph.add_edge(a, b, None);
         }
     }
-    if let Some(river) = &sketch.river {
-        bank_lines(&mut graph, sketch, river.way, &ring);
+    if let Some(river) = &site.river {
+        add_bank_lines(&mut graph, sketch, river, &ring);
     }
-    let fringe = Fringe { sketch, laid, streets, ring };
+    let fringe = Fringe { sketch, borders, streets, ring };
     fringe.join(&mut graph);
     let first_cut = graph.edges().map(|(e, _)| e + 1).max().unwrap_or(0);
     fringe.divide(&mut graph);
-    fringe.rejoin(&mut graph, first_cut);
-    Borders { graph, edges }
+    fringe.merge(&mut graph, first_cut);
+    CellGraph { graph, edges }
 }
 
-/// Bank lines end the cells beside a river where no quay does.
-fn bank_lines(graph: &mut BorderGraph, sketch: &Sketch, way: &Waterway, ring: &[VertexIx]) {
+/// Adds the bank lines, which bound the cells beside a river where there is no quay.
+fn add_bank_lines(graph: &mut BoundaryGraph, sketch: &Sketch, river: &River, ring: &[VertexIx]) {
     for side in 0..2 {
         let streets = sketch.graph.vertices().filter(|v| sketch.graph.degree(*v) > 0);
-        let on_line = streets.map(|v| (sketch.graph.at(v), v)).filter(|(p, _)| way.bank_at(*p) == Some(side));
-        let ends = way.ends[side].map(|i| (sketch.outline[i], ring[i]));
+        let on_line = streets.map(|v| (sketch.graph.at(v), v)).filter(|(p, _)| river.way.bank_at(*p) == Some(side));
+        let ends = river.way.ends[side].map(|i| (sketch.site.outline[i], ring[i]));
         let mut before = None;
-        for (p, there) in along_bank(&way.banks[side], on_line.chain(ends)) {
-            let v = there.unwrap_or_else(|| graph.add_vertex(p));
+        for (p, known) in river.bank_points(side, on_line.chain(ends)) {
+            let v = known.unwrap_or_else(|| graph.add_vertex(p));
             if let Some(u) = before
                 && graph.edge_between(u, v).is_none()
             {
@@ -103,18 +103,19 @@ fn bank_lines(graph: &mut BorderGraph, sketch: &Sketch, way: &Waterway, ring: &[
     }
 }
 
+/// The land between the network and the outline.
 struct Fringe<'a> {
     sketch: &'a Sketch<'a>,
-    laid: &'a Laid,
-    /// Vertices below this index are the network's.
+    borders: &'a BorderStreets,
+    /// Vertices below this index are the sketch's.
     streets: VertexIx,
     /// Vertices of the outline.
     ring: Vec<VertexIx>,
 }
 
 impl Fringe<'_> {
-    /// Without a gate or a river nothing joins the network to the outline: the nicest cut does.
-    fn join(&self, graph: &mut BorderGraph) {
+    /// Joins the network to the outline by the best cut, if no gate and no river does.
+    fn join(&self, graph: &mut BoundaryGraph) {
         let joined = graph.components().into_iter().flatten().all(|c| c == 0);
         if joined || self.sketch.gate_vertices.iter().any(Option::is_some) {
             return;
@@ -122,11 +123,11 @@ impl Fringe<'_> {
         let mut cuts = Vec::new();
         for from in (0..self.streets).filter(|v| graph.degree(*v) > 0) {
             for &to in &self.ring {
-                let score = graph.at(from).distance(graph.at(to)) + self.vertex_cost(graph, from);
-                cuts.push(Cut { score, from, to });
+                let cost = graph.at(from).distance(graph.at(to)) + self.vertex_cost(graph, from);
+                cuts.push(Cut { cost, from, to });
             }
         }
-        cuts.sort_by(|a, b| a.score.total_cmp(&b.score));
+        cuts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         // A triangulation of the fringe has an edge from the network to the outline, so the second search finds one.
         let found = cuts.iter().find(|c| fits(graph, c, true)).or_else(|| cuts.iter().find(|c| fits(graph, c, false)));
         if let Some(cut) = found {
@@ -135,16 +136,16 @@ impl Fringe<'_> {
     }
 
     /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
-    fn divide(&self, graph: &mut BorderGraph) {
+    fn divide(&self, graph: &mut BoundaryGraph) {
         let regular = self.regular();
-        // Faces without a good cut, by the first half-edge and length of their walk: nothing changes these.
-        let mut whole = Vec::new();
+        // Faces without a good cut, by the first half-edge and the length of their walk: cuts elsewhere do not change them.
+        let mut uncut = Vec::new();
         for _ in 0..8 {
             let mut changed = false;
             for face in graph.faces() {
                 let area = face.area();
-                let river = self.sketch.river.as_ref();
-                if area <= 0.0 || river.is_some_and(|river| river.holds(graph, &face)) {
+                let river = self.sketch.site.river.as_ref();
+                if area <= 0.0 || river.is_some_and(|river| river.is_water(graph, &face)) {
                     continue;
                 }
                 let twice = walked_twice(&face);
@@ -152,15 +153,15 @@ impl Fringe<'_> {
                     let e = graph.edge(h.edge);
                     e.data.is_none() && e.a >= self.streets && e.b >= self.streets
                 });
-                if twice.is_none() && (!on_outline || area < WIDE * regular) {
+                if twice.is_none() && (!on_outline || area < LARGE * regular) {
                     continue;
                 }
                 let name = (face.walk[0], face.walk.len());
-                if !whole.contains(&name) {
+                if !uncut.contains(&name) {
                     let cut = self.cut(graph, &face, twice, regular);
                     changed |= cut;
                     if !cut {
-                        whole.push(name);
+                        uncut.push(name);
                     }
                 }
             }
@@ -170,40 +171,32 @@ impl Fringe<'_> {
         }
     }
 
-    /// Takes cuts away again beside faces that are slim or have little street. Edges from `first_cut` on are cuts that may go.
-    fn rejoin(&self, graph: &mut BorderGraph, first_cut: EdgeIx) {
+    /// Merges faces that are small, slim or short of streets with a neighbour, by removing a cut between them. Cuts may be
+    /// removed if their index is `first_cut` or more.
+    fn merge(&self, graph: &mut BoundaryGraph, first_cut: EdgeIx) {
         let (regular, frontage) = (self.regular(), self.least_frontage());
-        // Each round takes a cut away, so this ends; the bound only guards the time.
+        // Each round removes a cut, so this ends; the bound only guards the time.
         for _ in 0..200 {
             let faces = graph.faces();
             let is_cut = |e: EdgeIx| e >= first_cut && graph.edge(e).data.is_none();
             let poor = |f: &&Face| {
-                let street: f64 = f
-                    .walk
-                    .iter()
-                    .filter(|h| graph.edge(h.edge).data.is_some())
-                    .map(|h| graph.segment(h.edge))
-                    .map(|(a, b)| a.distance(b))
-                    .sum();
+                let streets = f.walk.iter().filter(|h| graph.edge(h.edge).data.is_some());
+                let street: f64 = streets.map(|h| graph.edge_length(h.edge)).sum();
                 f.area() > 0.0
                     && f.walk.iter().any(|h| is_cut(h.edge))
-                    && (street < frontage || f.area() < 0.12 * regular || pole(&f.polygon, 2.0).1 < SLIM)
+                    && (street < frontage || f.area() < SMALL * regular || pole(&f.polygon, 2.0).1 < SLIM)
             };
-            let joins = |f: &Face, cut: EdgeIx| {
+            let merges = |f: &Face, cut: EdgeIx| {
                 let other = faces.iter().find(|o| o.walk[0] != f.walk[0] && o.walk.iter().any(|h| h.edge == cut));
                 other.is_some_and(|o| {
                     let common = o.walk.iter().filter(|h| f.walk.iter().any(|k| k.edge == h.edge)).count();
-                    o.area() > 0.0 && common == 1 && o.area() + f.area() < JOINED * regular
+                    o.area() > 0.0 && common == 1 && o.area() + f.area() < MERGED * regular
                 })
-            };
-            let length = |e: EdgeIx| {
-                let (a, b) = graph.segment(e);
-                a.distance(b)
             };
             let found = faces.iter().filter(poor).find_map(|f| {
                 let mut cuts: Vec<EdgeIx> = f.walk.iter().map(|h| h.edge).filter(|e| is_cut(*e)).collect();
-                cuts.sort_by(|a, b| length(*b).total_cmp(&length(*a)).then(a.cmp(b)));
-                cuts.into_iter().find(|cut| joins(f, *cut))
+                cuts.sort_by(|a, b| graph.edge_length(*b).total_cmp(&graph.edge_length(*a)).then(a.cmp(b)));
+                cuts.into_iter().find(|cut| merges(f, *cut))
             });
             match found {
                 Some(cut) => graph.remove_edge(cut),
@@ -224,8 +217,8 @@ impl Fringe<'_> {
         LEAST_FRONTAGE.0.max(LEAST_FRONTAGE.1 * self.sketch.rules.length)
     }
 
-    /// Cuts one face; whether a cut was found.
-    fn cut(&self, graph: &mut BorderGraph, face: &Face, twice: Option<(usize, usize)>, regular: f64) -> bool {
+    /// Cuts one face; returns whether there is a cut that fits.
+    fn cut(&self, graph: &mut BoundaryGraph, face: &Face, twice: Option<(usize, usize)>, regular: f64) -> bool {
         let (n, area, length) = (face.walk.len(), face.area(), self.sketch.rules.length);
         let separates = |i: usize, j: usize| {
             twice.is_none_or(|(p, q)| {
@@ -233,7 +226,8 @@ impl Fringe<'_> {
                 within(p) != within(q) && ![p, q].contains(&i) && ![p, q].contains(&j)
             })
         };
-        // Twice the area swept from the walk's first point up to each of its points, and the length of streets up to it.
+        // For each point of the walk, twice the area that the walk has swept from its first point, and the length of its
+        // streets up to there.
         let o = face.polygon[0];
         let (mut swept, mut front) = (vec![0.0; n], vec![0.0; n + 1]);
         for i in 0..n {
@@ -249,7 +243,7 @@ impl Fringe<'_> {
         let mut cuts = Vec::new();
         for i in 0..n {
             let from = face.vertices[i];
-            if from >= self.streets || self.sketch.is_gate(from) || self.laid.passes(from) {
+            if from >= self.streets || self.sketch.is_gate(from) || self.borders.passes(from) {
                 continue;
             }
             for j in (0..n).filter(|j| face.vertices[*j] >= self.streets && separates(i, *j)) {
@@ -266,11 +260,11 @@ impl Fringe<'_> {
                     continue;
                 }
                 let balance = (least / area).max(0.02);
-                let score = distance + self.vertex_cost(graph, from) + 0.35 * length * (0.5 / balance - 1.0);
-                cuts.push(Cut { score, from, to });
+                let cost = distance + self.vertex_cost(graph, from) + 0.35 * length * (0.5 / balance - 1.0);
+                cuts.push(Cut { cost, from, to });
             }
         }
-        cuts.sort_by(|a, b| a.score.total_cmp(&b.score));
+        cuts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let tries = if twice.is_some() { cuts.len() } else { MOST_TRIES };
         let mut found = cuts.iter().take(tries).find(|c| fits(graph, c, true));
         if found.is_none() && twice.is_some() {
@@ -282,31 +276,30 @@ impl Fringe<'_> {
         found.is_some()
     }
 
-    /// What it costs, in metres, to cut from a vertex: a cut from within a street divides the street.
-    fn vertex_cost(&self, graph: &BorderGraph, v: VertexIx) -> f64 {
+    /// Cost of a cut from a vertex, in metres: a cut from a point of inflexion divides a street.
+    fn vertex_cost(&self, graph: &BoundaryGraph, v: VertexIx) -> f64 {
         if graph.degree(v) == 2 { 60.0 } else { 0.0 }
     }
 }
 
-/// First place of a walk that is visited again later, as the indices of both visits; with room between them.
+/// A vertex that a walk visits twice, as the indices of both visits: of all such pairs the one farthest apart.
 fn walked_twice(face: &Face) -> Option<(usize, usize)> {
     let mut visits: Vec<(VertexIx, usize)> = face.vertices.iter().copied().zip(0..).collect();
     visits.sort_unstable();
     let n = face.walk.len();
-    // The pair that is farthest apart leaves the most room for a cut.
+    // That pair leaves the most room for a cut.
     let pairs = visits.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| (w[0].1, w[1].1));
     pairs.max_by_key(|(p, q)| ((q - p).min(n - (q - p)), std::cmp::Reverse(*p)))
 }
 
-/// Whether a cut crosses nothing, and meets and passes everything at decent angles and distances (`well`) or at least at
-/// some angle.
-fn fits(graph: &BorderGraph, cut: &Cut, well: bool) -> bool {
+/// Whether a cut crosses nothing. If `strict`, it also keeps the least angle and the least distance to everything else.
+fn fits(graph: &BoundaryGraph, cut: &Cut, strict: bool) -> bool {
     let (a, b) = (graph.at(cut.from), graph.at(cut.to));
     let at_end = |e: EdgeIx| {
         let edge = graph.edge(e);
         [edge.a, edge.b].iter().any(|v| *v == cut.from || *v == cut.to)
     };
-    let least = if well { CUT_ANGLE } else { 0.05 };
+    let least = if strict { CUT_ANGLE } else { 0.05 };
     if graph.edge_between(cut.from, cut.to).is_some()
         || graph.smallest_angle(cut.from, b - a) < least
         || graph.smallest_angle(cut.to, a - b) < least
@@ -316,7 +309,7 @@ fn fits(graph: &BorderGraph, cut: &Cut, well: bool) -> bool {
     }
     let length = a.distance(b);
     let gap = CUT_GAP.min(0.25 * length);
-    // Distance to what is near but not met, with less of it near both ends.
+    // The distance to other edges may be less near both ends.
     let clear = |e: EdgeIx| {
         let (c, d) = graph.segment(e);
         let near = |p: DVec2| {
@@ -325,5 +318,5 @@ fn fits(graph: &BorderGraph, cut: &Cut, well: bool) -> bool {
         };
         at_end(e) || (near(c) && near(d))
     };
-    !well || graph.edges_near(Bounds::of([a, b]).grown(gap)).into_iter().all(clear)
+    !strict || graph.edges_near(Bounds::of([a, b]).grown(gap)).into_iter().all(clear)
 }

@@ -1,9 +1,9 @@
-//! Main streets of places too small or too rugged for growth: a street that runs through, or a ring.
+//! Main streets of settlements that are too small or too rugged for growth: one street that runs through, or a ring.
 
-use super::grow::STEP;
-use super::link::smooth;
-use super::sketch::{End, Limits, Sketch, tidy};
-use super::water::fords;
+use super::curves::{STEP, cubic, simplified};
+use super::proposal::Proposal;
+use super::rules::Limits;
+use super::sketch::{End, Sketch};
 use crate::network::StreetClass;
 use crate::space::math::{angle_between, angle_of, direction, rotate};
 use crate::space::{Stream, line_length, quantize};
@@ -13,16 +13,16 @@ use std::f64::consts::{PI, TAU};
 /// Least angle between the directions of two gates, seen from the centre, for a street between them to run through.
 const OPPOSITE: f64 = 1.2;
 
-/// A street from gate to gate through the centre, for the two gates that lie most opposite each other. Whether there are
-/// such gates.
-pub(super) fn through(sketch: &mut Sketch, stream: &mut Stream) -> bool {
-    let gates = sketch.gates;
+/// Lays a street from gate to gate through the centre, between the two gates that lie most opposite each other; returns
+/// whether there are such gates.
+pub(super) fn lay_through_street(sketch: &mut Sketch, stream: &mut Stream) -> bool {
+    let gates = sketch.site.gates;
     let mut pairs: Vec<(f64, usize, usize)> = (0..gates.len())
         .flat_map(|i| (i + 1..gates.len()).map(move |j| (i, j)))
         .map(|(i, j)| (angle_between(gates[i].at, gates[j].at), i, j))
         .filter(|(angle, ..)| *angle >= OPPOSITE)
         .collect();
-    // Roads run through rather than streets that come over a border.
+    // Roads come before streets that cross a border.
     let borders = |i: usize, j: usize| [i, j].into_iter().filter(|g| gates[*g].class.is_main()).count();
     pairs.sort_by(|a, b| {
         let by_class = borders(a.1, a.2).cmp(&borders(b.1, b.2));
@@ -31,35 +31,43 @@ pub(super) fn through(sketch: &mut Sketch, stream: &mut Stream) -> bool {
     let Some(&(_, i, j)) = pairs.first() else { return false };
     let centre = sketch.graph.add_vertex(DVec2::ZERO);
     let tangent = (gates[j].at.normalize_or_zero() - gates[i].at.normalize_or_zero()).normalize_or_zero();
-    // High streets wind: they swing to one side by half of what they may, or more.
+    // High streets wind: they swing to one side by at least half of the greatest deviation.
     let swing = stream.signed();
     let tangent = rotate(tangent, sketch.rules.angle_deviation * 0.5 * (swing + swing.signum()));
-    let limits = Limits { gap: 20.0, angle: 0.6, min_length: 20.0, margin: 25.0, turn: 0.6, ..sketch.limits() };
+    let limits = Limits {
+        gap: 20.0,
+        min_angle: 0.6,
+        min_length: 20.0,
+        margin: 25.0,
+        max_turn: 0.6,
+        checks_ground: false,
+        ..sketch.rules.limits()
+    };
     for (gate, arriving) in [(i, tangent), (j, -tangent)] {
         let at = gates[gate].at;
-        let curved = tidy(smooth(at, gates[gate].inward, DVec2::ZERO, arriving));
-        let end = End::Vertex(centre);
-        let easy = Limits { ground: false, ..limits };
-        let fits = |path: &[DVec2]| path.len() > 1 && sketch.fits(path, End::Gate(gate), end, &easy);
+        let curved = simplified(cubic(at, gates[gate].inward, DVec2::ZERO, arriving));
+        let (start, end) = (End::Gate(gate), End::Vertex(centre));
+        let fits = curved.len() > 1 && Proposal::new(&curved, start, end).fits(sketch, &limits);
         // The outline is star-shaped: the straight line always stays inside.
-        let path = if fits(&curved) { curved } else { vec![at, DVec2::ZERO] };
-        sketch.add(&path, End::Gate(gate), end);
+        let path = if fits { curved } else { vec![at, DVec2::ZERO] };
+        sketch.add(&path, start, end);
     }
     true
 }
 
-/// A ring around the centre, half way to the outline.
-pub(super) fn ring(sketch: &mut Sketch) {
-    let n = sketch.outline.len();
-    let outline = sketch.outline;
+/// Lays a ring around the centre, half way to the outline.
+pub(super) fn lay_ring(sketch: &mut Sketch) {
+    let outline = sketch.site.outline;
+    let n = outline.len();
     // A blend of the outline's shape and a circle: both are star-shaped about the centre, so the ring is simple.
     let nearest = outline.iter().map(|p| p.length()).fold(f64::INFINITY, f64::min);
     // Only the ground on this side of a river counts.
     let reaches: Vec<f64> = outline
         .iter()
         .map(|p| {
-            let ford = sketch.river.as_ref().and_then(|river| fords(river.way, DVec2::ZERO, *p).first().copied());
-            ford.unwrap_or(*p).length()
+            let river = sketch.site.river.as_ref();
+            let bank = river.and_then(|river| river.bank_crossings(DVec2::ZERO, *p).first().copied());
+            bank.unwrap_or(*p).length()
         })
         .collect();
     let nearest = reaches.iter().copied().fold(nearest, f64::min);

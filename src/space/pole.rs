@@ -1,12 +1,14 @@
-//! Poles of inaccessibility.
+//! Poles of inaccessibility of polygons.
 
 use crate::space::{Bounds, distance_to_segment, point_in_polygon};
 use glam::DVec2;
 
-/// The point inside a simple polygon that is farthest from its border, and its distance from it, to within `precision`
-/// metres: Agafonkin's quadtree search ("polylabel"), with square roots as its only inexact function so that
-/// every platform finds the same point.
-pub(super) fn pole(polygon: &[DVec2], precision: f64) -> (DVec2, f64) {
+/// The pole of inaccessibility of a simple polygon: the point inside that is farthest from the border, and its distance from
+/// the border, to within `precision` metres (more than 0). A polygon has three points or more.
+///
+/// Agafonkin's quadtree search ("polylabel"), with square roots as its only inexact function, so that every platform finds the
+/// same point.
+pub fn pole(polygon: &[DVec2], precision: f64) -> (DVec2, f64) {
     let depth = |p: DVec2| {
         let border = (0..polygon.len())
             .map(|i| distance_to_segment(p, polygon[i], polygon[(i + 1) % polygon.len()]))

@@ -1,9 +1,9 @@
-//! Roundabouts and squares: open places that main streets lead around, where big junctions would be.
+//! Open spaces in the place of big junctions: roundabouts and squares, with main streets around them.
 
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, StreetClass, VertexIx};
 use crate::space::math::{angle_of, cos, direction, sin};
-use crate::space::{QUANTUM, Seed, quantize};
+use crate::space::{Seed, quantize, quantum_key};
 use crate::style::MainRules;
 use glam::DVec2;
 use std::cmp::Reverse;
@@ -13,13 +13,15 @@ use std::f64::consts::TAU;
 const ROUND: (f64, f64) = (18.0, 28.0);
 /// Least and greatest distance from the middle of a square to its sides, in metres.
 const SQUARE: (f64, f64) = (26.0, 40.0);
-/// Least distance between two places, in metres.
-const APART: f64 = 260.0;
-/// Distance that a place keeps from streets that do not lead to it and from the outline, in metres.
-const ROOM: (f64, f64) = (30.0, 45.0);
-/// What must be left of the first piece of a street that leads to a place, in metres.
+/// Least distance between two open spaces, in metres.
+const SPACING: f64 = 260.0;
+/// Distance that an open space keeps from streets that do not lead to it, in metres.
+const STREET_GAP: f64 = 30.0;
+/// Distance that an open space keeps from the outline, in metres.
+const OUTLINE_GAP: f64 = 45.0;
+/// Least length that is left of the last segment of a street that leads to an open space, in metres.
 const REST: f64 = 16.0;
-/// Least angle between two streets that lead to a place, in radians.
+/// Least angle between two streets that lead to an open space, in radians.
 const LEAST_ANGLE: f64 = 0.78;
 /// A square gets a side without a street where streets leave a wider angle than this, in radians.
 const OPEN_ANGLE: f64 = 2.0;
@@ -28,21 +30,22 @@ const CORNER: f64 = 9.0;
 /// Angle between the points of a roundabout, in radians.
 const ARC: f64 = 0.45;
 
-/// A street that leads to a place.
+/// A street that leads to an open space.
 struct Arm {
     edge: EdgeIx,
-    /// Its next vertex.
+    /// The edge's other vertex.
     to: VertexIx,
     class: StreetClass,
     angle: f64,
     length: f64,
 }
 
-/// The way around a place: counter-clockwise, each point with the arm that ends there.
+/// The street around an open space, counter-clockwise: its points, each with the arm that ends there.
 type Loop = Vec<(DVec2, Option<usize>)>;
 
-/// Makes places of some of the big junctions: those of three arterials or more, and of four streets of which two are arterials.
-pub(super) fn make_places(sketch: &mut Sketch, rules: &MainRules, seed: Seed, settlement: u64) {
+/// Replaces some of the big junctions by open spaces. A junction is big if three arterials meet there, or two arterials among
+/// four streets, or five streets.
+pub(super) fn replace_junctions(sketch: &mut Sketch, rules: &MainRules, seed: Seed, settlement: u64) {
     if rules.roundabouts + rules.squares <= 0.0 {
         return;
     }
@@ -56,25 +59,25 @@ pub(super) fn make_places(sketch: &mut Sketch, rules: &MainRules, seed: Seed, se
     });
     for v in junctions {
         let at = sketch.graph.at(v);
-        let [x, y] = (at / QUANTUM).round().as_i64vec2().to_array().map(|w| w as u64);
+        let [x, y] = quantum_key(at);
         let mut stream = seed.stream("town/place", &[settlement, x, y]);
         let (draw, size) = (stream.unit(), stream.unit());
-        if draw >= rules.roundabouts + rules.squares || sketch.places.iter().any(|p| p.distance(at) < APART) {
+        if draw >= rules.roundabouts + rules.squares || sketch.open_spaces.iter().any(|p| p.distance(at) < SPACING) {
             continue;
         }
         let round = draw < rules.roundabouts;
         let (low, high) = if round { ROUND } else { SQUARE };
         // A smaller one where the larger has no room.
         for size in [size, size / 2.0, 0.0] {
-            if make(sketch, v, round, low + (high - low) * size) {
+            if replace(sketch, v, round, low + (high - low) * size) {
                 break;
             }
         }
     }
 }
 
-/// Makes one place of a junction, if there is room for it.
-fn make(sketch: &mut Sketch, v: VertexIx, round: bool, radius: f64) -> bool {
+/// Replaces a junction by an open space; returns whether there is room for it.
+fn replace(sketch: &mut Sketch, v: VertexIx, round: bool, radius: f64) -> bool {
     let g = &sketch.graph;
     let at = g.at(v);
     let arm = |e: &EdgeIx| {
@@ -96,19 +99,18 @@ fn make(sketch: &mut Sketch, v: VertexIx, round: bool, radius: f64) -> bool {
     let around = if round { ring(at, radius, &arms, &gaps) } else { square(at, radius, &arms, &gaps) };
     let n = around.len();
     let own = |e: EdgeIx| arms.iter().any(|a| a.edge == e);
-    let dry = |a, b| sketch.river.as_ref().is_none_or(|river| !river.meets(a, b));
     let clear = (0..n).all(|i| {
         let (a, b) = (around[i].0, around[(i + 1) % n].0);
-        // Two junctions have room for what they are built as.
+        // Junctions are wider than points of inflexion.
         let least = if around[i].1.is_some() && around[(i + 1) % n].1.is_some() { 13.0 } else { 6.0 };
         a.distance(b) >= least
-            && dry(a, b)
-            && g.clearance(a, b, ROOM.0, own) >= ROOM.0
-            && sketch.ring.clearance(a, b, ROOM.1, |_| false) >= ROOM.1
+            && !sketch.site.is_blocked(a, b)
+            && g.clearance(a, b, STREET_GAP, own) >= STREET_GAP
+            && sketch.site.ring.clearance(a, b, OUTLINE_GAP, |_| false) >= OUTLINE_GAP
     });
     let mut closed: Vec<DVec2> = around.iter().map(|(p, _)| *p).collect();
     closed.push(closed[0]);
-    if !clear || !sketch.ground_fits(&closed) {
+    if !clear || !sketch.site.ground_fits(&closed) {
         return false;
     }
     let class = arms.iter().map(|a| a.class).min().unwrap_or(StreetClass::Main);
@@ -122,7 +124,7 @@ fn make(sketch: &mut Sketch, v: VertexIx, round: bool, radius: f64) -> bool {
             sketch.graph.add_edge(*vertex, arm.to, arm.class);
         }
     }
-    sketch.places.push(at);
+    sketch.open_spaces.push(at);
     true
 }
 

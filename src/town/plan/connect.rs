@@ -1,21 +1,22 @@
-//! Curved streets that tie something to the network: gates, and streets that would otherwise end in nothing.
+//! Curved streets that connect gates and dead ends to the network.
 
-use super::grow::STEP;
-use super::sketch::{End, Limits, Sketch, tidy};
-use super::water::fords;
+use super::curves::{cubic, simplified};
+use super::proposal::Proposal;
+use super::rules::Limits;
+use super::sketch::{End, Sketch};
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::{angle_between, rotate};
 use crate::space::{Bounds, closest_on_segment, left_normal, quantize};
 use glam::DVec2;
 
-/// Straight piece with which a street leaves its gate, in metres: the road's heading goes on into the town.
-const LEAD: f64 = 26.0;
+/// Length of the straight piece with which a street leaves its gate, in metres: there it keeps the road's heading.
+const STRAIGHT: f64 = 26.0;
 
-/// Number of curves that are tried from one place.
+/// Number of curves that are tried from one point.
 const MOST_TRIES: usize = 160;
 
-/// A curve to a place on the network.
+/// A curve to a point of the network.
 struct Candidate {
     score: f64,
     end: End,
@@ -25,41 +26,47 @@ struct Candidate {
     arriving: DVec2,
 }
 
-/// Ties every gate to the network, the widest roads first. Always succeeds while the network holds the centre or runs
-/// around it. Gates that have a street already are left alone.
-pub(super) fn tie_gates(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
-    let mut order: Vec<usize> = (0..sketch.gates.len()).filter(|g| sketch.gate_vertices[*g].is_none()).collect();
-    order.sort_by_key(|g| (sketch.gates[*g].class, sketch.gates[*g].vertex));
+impl Candidate {
+    fn points(&self) -> Vec<DVec2> {
+        cubic(self.from, self.leaving, self.at, self.arriving)
+    }
+}
+
+/// Connects every gate that has no street yet to the network, those of the widest roads first. Always succeeds while the
+/// network holds the centre or runs around it.
+pub(super) fn connect_gates(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
+    let mut order: Vec<usize> = (0..sketch.site.gates.len()).filter(|g| sketch.gate_vertices[*g].is_none()).collect();
+    order.sort_by_key(|g| (sketch.site.gates[*g].class, sketch.site.gates[*g].vertex));
     for gate in order {
         cancel.check()?;
-        if !tie(sketch, gate) {
-            tie_by_ray(sketch, gate);
+        if !connect_by_curve(sketch, gate) {
+            connect_straight(sketch, gate);
         }
     }
     Ok(())
 }
 
-/// Ties a gate by a curve, with demands that fall step by step.
-fn tie(sketch: &mut Sketch, gate: usize) -> bool {
-    let full = sketch.limits();
-    let (at, inward) = (sketch.gates[gate].at, sketch.gates[gate].inward);
-    let easier = |gap: f64, angle: f64, turn: f64| Limits {
+/// Connects a gate by a curve, with demands that fall step by step; returns whether one was found.
+fn connect_by_curve(sketch: &mut Sketch, gate: usize) -> bool {
+    let full = sketch.rules.limits();
+    let (at, inward) = (sketch.site.gates[gate].at, sketch.site.gates[gate].inward);
+    let easier = |gap: f64, min_angle: f64, max_turn: f64| Limits {
         gap: full.gap.min(gap),
-        angle: full.angle.min(angle),
+        min_angle: full.min_angle.min(min_angle),
         min_length: full.min_length.min(gap),
-        split: full.split.min(1.5 * gap),
+        min_part: full.min_part.min(1.5 * gap),
         margin: full.margin.min(gap),
-        turn,
+        max_turn,
         ..full
     };
     let steps = [
-        (Limits { turn: 0.42, min_length: 60.0, gap: 0.85 * full.gap, ..full }, 0.0),
+        (Limits { max_turn: 0.42, min_length: 60.0, gap: 0.85 * full.gap, ..full }, 0.0),
         (easier(50.0, 0.9, 0.45), 0.0),
         (easier(36.0, 0.75, 0.5), 0.35),
-        (Limits { ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
-        (Limits { ground: false, ..easier(22.0, 0.6, 0.7) }, 0.9),
+        (Limits { checks_ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
+        (Limits { checks_ground: false, ..easier(22.0, 0.6, 0.7) }, 0.9),
     ];
-    // How far away the network is decides how far to look.
+    // The distance of the network decides how far to look.
     let near = sketch.graph.nearest_edge(at, 1e6, |_| false).map_or(0.0, |(_, d)| d);
     for (limits, swing) in steps {
         let reach = near + sketch.rules.length + 60.0;
@@ -68,15 +75,15 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
             .iter()
             .flat_map(|s| {
                 let heading = rotate(inward, *s);
-                candidates(sketch, at + heading * LEAD.min(0.3 * near), heading, reach, &limits)
+                candidates(sketch, at + heading * STRAIGHT.min(0.3 * near), heading, reach, &limits)
             })
             .collect();
         all.sort_by(|a, b| a.score.total_cmp(&b.score));
         for c in all.into_iter().take(MOST_TRIES) {
             let mut path = vec![at];
-            path.extend(curve(&c));
-            let path = tidy(path);
-            if path.len() > 1 && sketch.fits(&path, End::Gate(gate), c.end, &limits) {
+            path.extend(c.points());
+            let path = simplified(path);
+            if path.len() > 1 && Proposal::new(&path, End::Gate(gate), c.end).fits(sketch, &limits) {
                 sketch.add(&path, End::Gate(gate), c.end);
                 return true;
             }
@@ -85,14 +92,14 @@ fn tie(sketch: &mut Sketch, gate: usize) -> bool {
     false
 }
 
-/// Ties a gate by the straight line to the centre, up to the first street that it meets: the outline is star-shaped, so
+/// Connects a gate by the straight line to the centre, up to the first street that it meets. The outline is star-shaped, so
 /// the line stays inside.
-fn tie_by_ray(sketch: &mut Sketch, gate: usize) {
-    let at = sketch.gates[gate].at;
+fn connect_straight(sketch: &mut Sketch, gate: usize) {
+    let at = sketch.site.gates[gate].at;
     let hit = sketch.graph.first_hit(at, DVec2::ZERO, |_| false);
     let mut ends = Vec::new();
     if let Some(hit) = hit {
-        // A junction beside the meeting point spares a piece of street of a few metres.
+        // A junction beside the meeting point saves a piece of street of a few metres.
         let edge = sketch.graph.edge(hit.edge);
         let near = |v: &VertexIx| sketch.graph.at(*v).distance(hit.at) < 15.0 && !sketch.is_gate(*v);
         ends.extend([edge.a, edge.b].into_iter().filter(near).map(End::Vertex));
@@ -100,34 +107,39 @@ fn tie_by_ray(sketch: &mut Sketch, gate: usize) {
     } else {
         ends.extend(sketch.graph.vertices().next().map(End::Vertex));
     }
-    let place = |end: End| match end {
+    let position = |end: End| match end {
         End::Vertex(v) => sketch.graph.at(v),
         End::Edge(_, p) => quantize(p),
         _ => at,
     };
     let last = ends.len().saturating_sub(1);
-    let fits = |i: usize| i == last || sketch.crosses_nothing(&[at, place(ends[i])], End::Gate(gate), ends[i]);
+    let fits = |i: usize| {
+        i == last || {
+            let path = [at, position(ends[i])];
+            Proposal::new(&path, End::Gate(gate), ends[i]).crosses_nothing(sketch)
+        }
+    };
     if let Some(end) = (0..ends.len()).find(|i| fits(*i)).map(|i| ends[i]) {
         let mut path = vec![at];
-        if let Some(river) = &sketch.river {
-            path.extend(fords(river.way, at, place(end)));
+        if let Some(river) = &sketch.site.river {
+            path.extend(river.bank_crossings(at, position(end)));
         }
-        path.push(place(end));
+        path.push(position(end));
         path.dedup();
         sketch.add(&path, End::Gate(gate), end);
     }
 }
 
-/// Connects streets that end in nothing to what is near, each by the best curve that keeps to the rules.
-pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
-    let mut tips = sketch.tips();
-    tips.sort_by(|a, b| {
+/// Connects dead ends to what is near, each by the best curve that keeps to the rules.
+pub(super) fn connect_dead_ends(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
+    let mut dead_ends = sketch.dead_ends();
+    dead_ends.sort_by(|a, b| {
         let distance = |v: &VertexIx| sketch.graph.at(*v).length();
         distance(a).total_cmp(&distance(b)).then(a.cmp(b))
     });
-    let full = sketch.limits();
-    let limits = Limits { margin: 0.75 * full.margin, turn: 0.55, gap: 0.9 * full.gap, ..full };
-    for v in tips {
+    let full = sketch.rules.limits();
+    let limits = Limits { margin: 0.75 * full.margin, max_turn: 0.55, gap: 0.9 * full.gap, ..full };
+    for v in dead_ends {
         cancel.check()?;
         let g = &sketch.graph;
         let [e] = *g.edges_at(v) else { continue };
@@ -143,8 +155,8 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
         }
         all.sort_by(|a, b| a.score.total_cmp(&b.score));
         for c in all.into_iter().take(MOST_TRIES) {
-            let path = tidy(curve(&c));
-            if path.len() > 1 && sketch.fits(&path, End::Vertex(v), c.end, &limits) {
+            let path = simplified(c.points());
+            if path.len() > 1 && Proposal::new(&path, End::Vertex(v), c.end).fits(sketch, &limits) {
                 sketch.add(&path, End::Vertex(v), c.end);
                 break;
             }
@@ -153,7 +165,7 @@ pub(super) fn link_tips(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), Laye
     Ok(())
 }
 
-/// Curves from `from`, leaving with `heading` (straight for the target when zero), to what lies within reach.
+/// Curves from `from` to what lies within reach. They leave with `heading`, or straight for their target if it is zero.
 fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: &Limits) -> Vec<Candidate> {
     let g = &sketch.graph;
     let mut out = Vec::new();
@@ -177,7 +189,7 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
             }
             seen[v as usize] = true;
             let (p, degree) = (g.at(v), g.degree(v));
-            // A loose end is glad of company; a junction where the street runs on is better than one where it stops.
+            // A dead end gains most by a street; a junction is better than a point of inflexion, where it makes a new one.
             let extra = match degree {
                 1 => -0.5 * sketch.rules.length,
                 2 => 90.0,
@@ -187,7 +199,7 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
             let mut corner = f64::INFINITY;
             for w in g.neighbours(v) {
                 let on = (g.at(w) - p).normalize_or_zero();
-                // What leads on to the centre is better than what leads around it.
+                // A street that leads on to the centre is better than one that leads around it.
                 let detour = angle_between(on, -p);
                 corner = corner.min(angle_between(on, beeline));
                 offer(End::Vertex(v), p, on, extra + 35.0 * detour);
@@ -208,25 +220,4 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
         }
     }
     out
-}
-
-/// Points of the cubic curve of a candidate.
-fn curve(c: &Candidate) -> Vec<DVec2> {
-    smooth(c.from, c.leaving, c.at, c.arriving)
-}
-
-/// Points of a cubic curve between two places with directions at both ends.
-pub(super) fn smooth(from: DVec2, leaving: DVec2, to: DVec2, arriving: DVec2) -> Vec<DVec2> {
-    let distance = from.distance(to);
-    let (p1, p2) = (from + leaving * (0.37 * distance), to - arriving * (0.37 * distance));
-    let turns = angle_between(leaving, to - from) + angle_between(to - from, arriving);
-    // Short steps where it bends, so that no point of inflexion is a corner.
-    let parts = (distance / STEP).max(turns / 0.24).round().clamp(1.0, 40.0);
-    (0..=parts as usize)
-        .map(|i| {
-            let t = i as f64 / parts;
-            let s = 1.0 - t;
-            from * (s * s * s) + p1 * (3.0 * s * s * t) + p2 * (3.0 * s * t * t) + to * (t * t * t)
-        })
-        .collect()
 }

@@ -1,0 +1,47 @@
+//! Ports: where streets of main cells attach to main streets.
+
+use crate::network::{JunctionId, StreetClass};
+use glam::DVec2;
+
+/// Length of the straight approach that every port is sure to have room for, in metres.
+pub const STUB_LENGTH: f64 = 20.0;
+
+/// Least distance of an approach from any other approach and from any part of the cell's border but the side that it starts
+/// on, in metres.
+pub const STUB_CLEARANCE: f64 = 14.0;
+
+/// An attachment point on a main street.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// The junction it makes.
+    pub junction: JunctionId,
+    /// Metres along the main street.
+    pub along: f64,
+    /// Position, local to the town, on the quantum grid.
+    pub at: DVec2,
+    /// Class of the street that attaches from the left, if one does.
+    pub left: Option<StreetClass>,
+    /// Class of the street that attaches from the right, if one does.
+    pub right: Option<StreetClass>,
+}
+
+/// A main street with its ports.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Seam {
+    /// Ports in order along the street.
+    pub ports: Vec<Port>,
+}
+
+/// A port as one of its cells sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellPort {
+    /// The junction on the main street.
+    pub junction: JunctionId,
+    /// Its position, local to the town.
+    pub at: DVec2,
+    /// Unit direction into the cell, square to the main street. The approach, a segment of [`STUB_LENGTH`] from `at` along it,
+    /// lies in the cell, [`STUB_CLEARANCE`] away from the approaches of all other ports and from the cell's other sides.
+    pub inward: DVec2,
+    /// Class of the street that attaches.
+    pub class: StreetClass,
+}
