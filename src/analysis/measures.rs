@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Figures of a network. Ends with degree 1 are dead ends; junctions have degree 3 or more.
+/// Figures of a network. Vertices of degree 1 are dead ends, those of degree 3 or more are junctions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Measures {
     /// Total length of streets, in kilometres.
@@ -33,8 +33,8 @@ pub struct Measures {
     pub components: usize,
 }
 
-/// Measures a network. Streets may end at junctions that are not listed: those count with their length and at their other
-/// end alone, so that a part of a network can be measured with the true degrees of its junctions.
+/// Measures a network. Streets may end at junctions that are not listed: such a street counts with its length and at its other
+/// end, so that a part of a network can be measured with the true degrees of its junctions.
 pub fn measure(network: &Network) -> Measures {
     let ends: BTreeMap<JunctionId, usize> = network.junctions.iter().enumerate().map(|(i, j)| (j.id, i)).collect();
     let mut leaving: Vec<Vec<DVec2>> = vec![Vec::new(); network.junctions.len()];

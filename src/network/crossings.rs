@@ -1,4 +1,4 @@
-//! Streets of one level that meet without a junction, found by an exact sweep over all pairs of segments.
+//! Streets of one level that meet without a junction, found exactly among all pairs of segments whose boxes overlap.
 
 use crate::network::{JunctionId, Street};
 use crate::space::{orient, segment_crossing};
@@ -7,18 +7,20 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use std::collections::BTreeSet;
 
-/// A segment of a street: its place in the list of all, and its ends.
+/// A segment of a street.
 #[derive(Clone, Copy)]
 struct Segment {
+    /// Index of the street.
     street: usize,
+    /// Index of the segment in the street's line.
     index: usize,
     ends: [DVec2; 2],
-    /// The junction at each end, where the street ends there.
+    /// The junction at each end, if the street ends there.
     junctions: [Option<JunctionId>; 2],
 }
 
-/// Local points where two streets of the same level, or two parts of one street, cross, touch or overlap without a
-/// junction of both there. Decided with exact predicates; where streets overlap, one point for each pair of segments.
+/// Local points where two streets of the same level, or two parts of one street, cross, touch or overlap without a junction of
+/// both. Decided with exact predicates. Where streets overlap, there is one point for each pair of segments.
 pub fn crossings(streets: &[&Street]) -> Vec<DVec2> {
     let mut all = Vec::new();
     for (s, street) in streets.iter().enumerate() {
@@ -50,7 +52,7 @@ pub fn crossings(streets: &[&Street]) -> Vec<DVec2> {
     found.into_iter().map(|(_, at)| DVec2::from_array(at.map(f64::from_bits))).collect()
 }
 
-/// Where two segments meet although they must not.
+/// Where two segments meet although they have no junction there.
 fn forbidden(a: &Segment, b: &Segment) -> Option<DVec2> {
     let meeting = segment_crossing(a.ends[0], a.ends[1], b.ends[0], b.ends[1])?;
     // The end that they may share: a junction of both streets, or the next point of the same street.

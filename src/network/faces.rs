@@ -31,8 +31,8 @@ impl Face {
     }
 }
 
-/// Room for the steps around a face; most have no more.
-const USUAL: usize = 16;
+/// Number of steps around a face that memory is reserved for.
+const RESERVED: usize = 16;
 
 impl<E: Clone> PlanarGraph<E> {
     /// All faces, outer ones (negative area) included, ordered by their lowest half-edge.
@@ -43,16 +43,16 @@ impl<E: Clone> PlanarGraph<E> {
         let mut order: Vec<(f64, usize, usize)> = Vec::new();
         for v in self.vertices() {
             order.clear();
-            // There is but one order of one or two.
-            let turns = self.degree(v) > 2;
+            // One or two edges have only one cyclic order.
+            let has_order = self.degree(v) > 2;
             for &e in self.edges_at(v) {
                 let edge = self.edge(e);
                 let out = 2 * e as usize + usize::from(edge.a != v);
-                let angle = if turns { quarters(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
+                let angle = if has_order { quarters(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
                 order.push((angle, out, out ^ 1));
             }
             order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-            // Coming in along a half-edge, the face on the left goes on along the next one clockwise.
+            // After a half-edge that comes in, the face on its left continues along the next edge clockwise.
             for i in 0..order.len() {
                 next[order[(i + 1) % order.len()].2] = order[i].1;
             }
@@ -64,9 +64,9 @@ impl<E: Clone> PlanarGraph<E> {
                 continue;
             }
             let mut face = Face {
-                walk: Vec::with_capacity(USUAL),
-                vertices: Vec::with_capacity(USUAL),
-                polygon: Vec::with_capacity(USUAL),
+                walk: Vec::with_capacity(RESERVED),
+                vertices: Vec::with_capacity(RESERVED),
+                polygon: Vec::with_capacity(RESERVED),
             };
             let mut h = start;
             while !seen[h] {

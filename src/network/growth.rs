@@ -1,24 +1,24 @@
 //! Parametric growth on empty ground, by the rules of Teng 2017 alone (Fig. 3; connect, clip and discard of section 3.3).
 //!
-//! Main and local streets of towns grow by the same rules, with more besides: room between streets, borders, the ground,
-//! repair. This is what to study the parameters themselves with.
+//! Main and local streets of towns grow by the same rules and keep more besides: room between streets, borders, the ground.
+//! This module serves to study the parameters themselves.
 
 use crate::network::{EdgeIx, PlanarGraph, VertexIx};
-use crate::space::math::{angle_of, direction};
+use crate::space::math::{acos, angle_of, direction};
 use crate::space::{Bounds, Stream, closest_on_segment};
 use glam::DVec2;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Parameters of growth (Teng 2017, Fig. 3). Lengths in metres. The default is what section 4.2 keeps fixed there, with the
-/// middle of what it varies.
+/// Parameters of growth (Teng 2017, Fig. 3). Lengths in metres. The defaults are the values that section 4.2 of the paper keeps
+/// fixed, and the middle of the ranges that it varies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowthRules {
     /// Length of a street segment: more than 0.
     pub length: f64,
     /// Greatest deviation from that length.
     pub deviation: f64,
-    /// Least length of a segment, of the parts of a divided one too.
+    /// Least length of a segment, and of both parts of a divided segment.
     pub min_length: f64,
     /// Least and greatest number of segments at a vertex; each vertex aims at a number between them.
     pub degree: (usize, usize),
@@ -44,7 +44,7 @@ impl Default for GrowthRules {
     }
 }
 
-/// Angles are this much less after rounding to the quantum grid, in radians: the foot of a perpendicular is one still.
+/// How much less an angle may be after rounding to the quantum grid, in radians, so that a perpendicular still counts as one.
 const ROUNDING: f64 = 1e-3;
 
 /// What the end of a proposed segment meets.
@@ -55,8 +55,8 @@ enum Meets {
     Nothing,
 }
 
-/// Grows streets from the middle of a box until none fits any more; every segment ends in the box. A pure function of
-/// its arguments and the state of the stream.
+/// Grows streets from the middle of a box until none fits any more. Every segment ends in the box. A pure function of the
+/// arguments and of the state of the stream.
 pub fn grow(rules: &GrowthRules, bounds: Bounds, stream: &mut Stream) -> PlanarGraph<()> {
     let rules = &GrowthRules { min_angle: rules.min_angle - ROUNDING, ..*rules };
     let mut graph = PlanarGraph::new();
@@ -85,7 +85,8 @@ pub fn grow(rules: &GrowthRules, bounds: Bounds, stream: &mut Stream) -> PlanarG
     graph
 }
 
-/// Connects, clips or discards the segment from `v` to `to`, and adds what is left; its end if that is new and free.
+/// Connects, clips or discards the segment from `v` to `to`, and adds what is left; returns its end if that is a new vertex at
+/// which nothing else ends.
 fn propose(
     graph: &mut PlanarGraph<()>,
     rules: &GrowthRules,
@@ -141,8 +142,8 @@ fn propose(
     }
 }
 
-/// Whether a segment that leaves `end` in the direction `back` may meet what is there: constraints 2 to 4 of Teng 2017,
-/// section 3.3.
+/// Whether a segment that leaves `end` in the direction `back` may meet the vertex or edge there: constraints 2 to 4 of Teng
+/// 2017, section 3.3.
 fn meets_well(graph: &PlanarGraph<()>, rules: &GrowthRules, meets: Meets, end: DVec2, back: DVec2) -> bool {
     match meets {
         Meets::Vertex(w) => graph.degree(w) < rules.degree.1 && graph.smallest_angle(w, back) >= rules.min_angle,
@@ -152,7 +153,7 @@ fn meets_well(graph: &PlanarGraph<()>, rules: &GrowthRules, meets: Meets, end: D
                 let part = to - end;
                 let length = part.length();
                 let cosine = part.dot(back) / (length * back.length()).max(f64::MIN_POSITIVE);
-                length >= rules.min_length && crate::space::math::acos(cosine.clamp(-1.0, 1.0)) >= rules.min_angle
+                length >= rules.min_length && acos(cosine.clamp(-1.0, 1.0)) >= rules.min_angle
             };
             rules.degree.1 >= 3 && leaves(a) && leaves(b)
         }

@@ -1,7 +1,7 @@
-//! The planar street network: junctions and streets with stable ids, the planar graph they are grown in (connect,
-//! clip, faces).
+//! The planar street network: junctions and streets with stable ids, and the planar graph in which they grow (connect, clip,
+//! faces).
 //!
-//! Part of the ground floor: knows no layer.
+//! Belongs to the ground floor: it knows no layer.
 
 mod crossings;
 mod faces;

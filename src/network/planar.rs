@@ -1,8 +1,8 @@
 //! A planar straight-line graph that grows edge by edge, with an R-tree over its edges.
 //!
-//! Vertices of degree 2 are points of inflexion, the others junctions or ends, as in Teng 2017, section 2. The graph
-//! itself accepts any edge; whoever grows it asks [`PlanarGraph::first_hit`] and [`PlanarGraph::clearance`] first, and
-//! splits what it meets.
+//! Vertices of degree 2 are points of inflexion, the others are junctions or ends, as in Teng 2017, section 2. The graph itself
+//! accepts any edge: callers ask [`PlanarGraph::first_hit`] and [`PlanarGraph::clearance`] first, and split the edge that a
+//! new one meets.
 
 use crate::space::{Bounds, distance_to_segment, math::angle_between, quantize, segment_crossing, segment_distance};
 use glam::DVec2;
@@ -57,17 +57,17 @@ impl RTreeObject for Indexed {
     }
 }
 
-/// The edges at a vertex, oldest first: a few in place, more in a list.
+/// The edges at a vertex, oldest first: up to [`FEW`] in place, more in a list.
 #[derive(Clone, Debug)]
-enum Around {
+enum Incident {
     Few(u32, [EdgeIx; FEW]),
     Many(Vec<EdgeIx>),
 }
 
-/// More edges than most vertices have.
+/// Most vertices have no more edges.
 const FEW: usize = 4;
 
-impl Around {
+impl Incident {
     fn edges(&self) -> &[EdgeIx] {
         match self {
             Self::Few(count, edges) => &edges[..*count as usize],
@@ -104,7 +104,7 @@ impl Around {
 #[derive(Clone, Debug)]
 pub struct PlanarGraph<E> {
     positions: Vec<DVec2>,
-    around: Vec<Around>,
+    incident: Vec<Incident>,
     edges: Vec<Option<Edge<E>>>,
     /// `None` in a graph without an index.
     index: Option<RTree<Indexed>>,
@@ -112,7 +112,7 @@ pub struct PlanarGraph<E> {
 
 impl<E> Default for PlanarGraph<E> {
     fn default() -> Self {
-        Self { positions: Vec::new(), around: Vec::new(), edges: Vec::new(), index: Some(RTree::new()) }
+        Self { positions: Vec::new(), incident: Vec::new(), edges: Vec::new(), index: Some(RTree::new()) }
     }
 }
 
@@ -122,8 +122,8 @@ impl<E: Clone> PlanarGraph<E> {
         Self::default()
     }
 
-    /// A graph without vertices whose searches look at every edge: faster than an index for up to a few hundred edges,
-    /// and where only its topology is asked for. It answers the same.
+    /// A graph without vertices whose searches look at every edge and give the same answers. It is faster than an index for up
+    /// to a few hundred edges, and where only the topology is asked for.
     pub fn without_index() -> Self {
         Self { index: None, ..Self::default() }
     }
@@ -131,7 +131,7 @@ impl<E: Clone> PlanarGraph<E> {
     /// Adds a vertex at `p`, rounded to the quantum grid.
     pub fn add_vertex(&mut self, p: DVec2) -> VertexIx {
         self.positions.push(quantize(p));
-        self.around.push(Around::Few(0, [0; FEW]));
+        self.incident.push(Incident::Few(0, [0; FEW]));
         (self.positions.len() - 1) as VertexIx
     }
 
@@ -140,8 +140,8 @@ impl<E: Clone> PlanarGraph<E> {
         debug_assert_ne!(a, b, "an edge needs two ends");
         let edge = self.edges.len() as EdgeIx;
         self.edges.push(Some(Edge { a, b, data }));
-        self.around[a as usize].push(edge);
-        self.around[b as usize].push(edge);
+        self.incident[a as usize].push(edge);
+        self.incident[b as usize].push(edge);
         let indexed = Indexed { edge, a: self.at(a), b: self.at(b) };
         if let Some(index) = &mut self.index {
             index.insert(indexed);
@@ -157,7 +157,7 @@ impl<E: Clone> PlanarGraph<E> {
             index.remove(&indexed);
         }
         for v in [removed.a, removed.b] {
-            self.around[v as usize].remove(edge);
+            self.incident[v as usize].remove(edge);
         }
         Some(removed)
     }
@@ -180,7 +180,7 @@ impl<E: Clone> PlanarGraph<E> {
         }
     }
 
-    /// Puts a vertex at `p` on an edge and returns it, or the end of the edge that `p` rounds to.
+    /// Puts a vertex at `p` on an edge and returns it; if `p` rounds to an end of the edge, returns that end.
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> VertexIx {
         let Edge { a, b, .. } = *self.edge(edge);
         let p = quantize(p);
@@ -215,7 +215,11 @@ impl<E: Clone> PlanarGraph<E> {
         self.positions[v as usize]
     }
 
-    /// A live edge. Indices of removed edges are a programming error.
+    /// An edge that was neither removed nor split; asking for another is a programming error.
+    ///
+    /// # Panics
+    ///
+    /// If the edge is not live.
     pub fn edge(&self, edge: EdgeIx) -> &Edge<E> {
         self.edges[edge as usize].as_ref().expect("edge was removed")
     }
@@ -225,12 +229,12 @@ impl<E: Clone> PlanarGraph<E> {
         self.edges.get(edge as usize).is_some_and(Option::is_some)
     }
 
-    /// What an edge carries, to change it.
+    /// What an edge carries, for changes; `None` if the edge is not live.
     pub fn data_mut(&mut self, edge: EdgeIx) -> Option<&mut E> {
         self.edges.get_mut(edge as usize)?.as_mut().map(|e| &mut e.data)
     }
 
-    /// Live edges with their indices, in order of creation.
+    /// Live edges with their indices, oldest first.
     pub fn edges(&self) -> impl Iterator<Item = (EdgeIx, &Edge<E>)> {
         self.edges.iter().enumerate().filter_map(|(i, e)| Some((i as EdgeIx, e.as_ref()?)))
     }
@@ -249,7 +253,7 @@ impl<E: Clone> PlanarGraph<E> {
 
     /// Edges at a vertex, oldest first.
     pub fn edges_at(&self, v: VertexIx) -> &[EdgeIx] {
-        self.around[v as usize].edges()
+        self.incident[v as usize].edges()
     }
 
     /// Number of edges at a vertex.
@@ -267,7 +271,7 @@ impl<E: Clone> PlanarGraph<E> {
         self.edges_at(a).iter().copied().find(|e| self.edge(*e).other(a) == b)
     }
 
-    /// Edges whose box overlaps `bounds`, sorted by index so that the tree's shape does not matter.
+    /// Edges whose box overlaps `bounds`, oldest first: the shape of the tree does not show.
     pub fn edges_near(&self, bounds: Bounds) -> Vec<EdgeIx> {
         let Some(index) = &self.index else {
             let near = |e: &Edge<E>| {
@@ -282,7 +286,7 @@ impl<E: Clone> PlanarGraph<E> {
         found
     }
 
-    /// First edge that the segment from `a` to `b` meets, leaving out edges for which `skip` holds.
+    /// The first edge that the segment from `a` to `b` meets, except edges for which `skip` holds.
     pub fn first_hit(&self, a: DVec2, b: DVec2, skip: impl Fn(EdgeIx) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for edge in self.edges_near(Bounds::of([a, b])) {
@@ -309,7 +313,7 @@ impl<E: Clone> PlanarGraph<E> {
         })
     }
 
-    /// Edge nearest to `p` within `reach` metres and its distance, leaving out edges for which `skip` holds.
+    /// The edge nearest to `p` within `reach` metres and its distance, except edges for which `skip` holds.
     pub fn nearest_edge(&self, p: DVec2, reach: f64, skip: impl Fn(EdgeIx) -> bool) -> Option<(EdgeIx, f64)> {
         let mut best = None;
         let mut best_d = reach;
@@ -323,7 +327,8 @@ impl<E: Clone> PlanarGraph<E> {
         best
     }
 
-    /// Vertex with at least one edge that is nearest to `p` within `reach` metres, and its distance.
+    /// The vertex nearest to `p` within `reach` metres and its distance, among those with an edge, except vertices for which
+    /// `skip` holds.
     pub fn nearest_vertex(&self, p: DVec2, reach: f64, skip: impl Fn(VertexIx) -> bool) -> Option<(VertexIx, f64)> {
         let mut best: Option<(VertexIx, f64)> = None;
         for e in self.edges_near(Bounds::of([p]).grown(reach)) {
@@ -338,14 +343,15 @@ impl<E: Clone> PlanarGraph<E> {
         best
     }
 
-    /// Smallest angle in radians between `direction` and the edges at `v`, as they leave it; pi without edges.
+    /// Smallest angle between `direction` and the edges that leave `v`, in radians; pi without edges.
     pub fn smallest_angle(&self, v: VertexIx, direction: DVec2) -> f64 {
         let from = self.at(v);
         self.neighbours(v).map(|w| angle_between(direction, self.at(w) - from)).fold(std::f64::consts::PI, f64::min)
     }
 
-    /// Chains of edges between vertices for which `ends` holds, through vertices for which it does not (each of those
-    /// must have degree 2). A loop without such an end starts at its lowest vertex. Ordered by their first edge.
+    /// Chains of edges from one vertex for which `ends` holds to the next. Between them lie vertices for which it does not hold;
+    /// each of these must have degree 2. A loop without an end starts at its lowest vertex. Each edge comes with whether the
+    /// chain runs from its `a` to its `b`; chains are ordered by their oldest edge.
     pub fn chains(&self, ends: impl Fn(VertexIx) -> bool) -> Vec<Vec<(EdgeIx, bool)>> {
         let mut used = vec![false; self.edges.len()];
         let mut out = Vec::new();
@@ -369,7 +375,7 @@ impl<E: Clone> PlanarGraph<E> {
         };
         for pass in 0..2 {
             for v in self.vertices() {
-                // First from the ends; what is left then are loops without one.
+                // Chains from the ends come first; then only loops without an end are left.
                 if pass == 0 && !ends(v) {
                     continue;
                 }

@@ -13,20 +13,20 @@ pub struct JunctionId(pub u64);
 pub struct StreetId(pub u64);
 
 impl JunctionId {
-    /// The id of the thing that `words` describe.
+    /// The id of the thing that `words` name.
     pub fn of(words: &[u64]) -> Self {
         Self(stable_hash(words))
     }
 }
 
 impl StreetId {
-    /// The id of the thing that `words` describe.
+    /// The id of the thing that `words` name.
     pub fn of(words: &[u64]) -> Self {
         Self(stable_hash(words))
     }
 }
 
-/// Class of a street, from the widest down: three of roads between settlements, two of main streets, and local.
+/// Class of a street: three classes of roads between settlements, two of main streets, and local streets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum StreetClass {
@@ -45,7 +45,7 @@ pub enum StreetClass {
 }
 
 impl StreetClass {
-    /// Every class, widest first.
+    /// All classes: roads, main streets, local streets; the more important first.
     pub const ALL: [Self; 6] = [Self::Highway, Self::Major, Self::Minor, Self::Arterial, Self::Main, Self::Local];
 
     /// Width of the carriageway, in metres.
@@ -118,11 +118,11 @@ pub struct Street {
     pub from: JunctionId,
     /// Junction at the last point of `line`.
     pub to: JunctionId,
-    /// Centre line: two local points or more, on the quantum grid, first and last those of the junctions.
+    /// Centre line: two local points or more, on the quantum grid; the first and the last are those of the junctions.
     pub line: Vec<DVec2>,
     /// Height level: 0 on the ground; streets of different levels cross without meeting.
     pub level: i8,
-    /// Whether it is carried over water or another street.
+    /// Whether it crosses water or another street on a bridge.
     pub bridge: bool,
     /// Whether it runs under the ground.
     pub tunnel: bool,
@@ -144,7 +144,7 @@ impl Street {
         Bounds::of(self.line.iter().copied())
     }
 
-    /// The same street with every point moved by `offset` (whole metres, so that nothing is lost).
+    /// The same street moved by `offset` (whole metres, so that no rounding occurs).
     pub fn moved(&self, offset: DVec2) -> Self {
         Self { line: self.line.iter().map(|p| *p + offset).collect(), ..self.clone() }
     }
@@ -153,8 +153,8 @@ impl Street {
 /// Junctions and streets in one local frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Network {
-    /// Junctions; each id once.
+    /// Junctions, each id once.
     pub junctions: Vec<Junction>,
-    /// Streets; each id once, both ends among `junctions`.
+    /// Streets, each id once, with both ends among `junctions`.
     pub streets: Vec<Street>,
 }

@@ -56,7 +56,7 @@ fn divided(main: &MainStreet, ports: &[Port]) -> Vec<Street> {
         .chain(ports.iter().map(|p| (p.along, p.junction, p.at)))
         .chain([(f64::INFINITY, whole.to, last)])
         .collect();
-    // The street's own points of inflexion with their distance along it.
+    // The street's own points of inflexion, with the metres along the street.
     let mut run = 0.0;
     let bends: Vec<(f64, DVec2)> = segments(&whole.line)
         .map(|(a, b)| {

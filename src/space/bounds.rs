@@ -12,7 +12,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing; growing it by a point gives that point.
+    /// The empty box: its union with another box is that box.
     pub const EMPTY: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
 
     /// The box from its south-west to its north-east corner.
@@ -30,7 +30,7 @@ impl Bounds {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// The box with `margin` metres more on every side (less when negative).
+    /// The box with `margin` metres more on every side, or less if `margin` is negative.
     pub fn grown(self, margin: f64) -> Self {
         Self { min: self.min - margin, max: self.max + margin }
     }

@@ -1,11 +1,11 @@
-//! Where things are: integer origins, quantized local positions, chunk coordinates.
+//! Coordinates: integer origins, quantized local positions, chunks.
 
 use crate::space::Bounds;
 use glam::{DVec2, I64Vec2, IVec2};
 use serde::{Deserialize, Serialize};
 
-/// Grid that published positions are rounded to: 2^-10 m. Sums of such numbers and whole metres are exact in an `f64`
-/// up to 4e12 m from the world's origin, so moving a position between local frames loses nothing.
+/// Grid that published positions are rounded to: 2^-10 m. An `f64` holds sums of such numbers and whole metres exactly up to
+/// 4e12 m from the world's origin, so a position can move between local frames without rounding.
 pub const QUANTUM: f64 = 1.0 / 1024.0;
 
 /// Default edge length of a chunk, in metres.
@@ -26,7 +26,7 @@ pub fn quantum_key(p: DVec2) -> [u64; 2] {
 pub struct Origin(pub I64Vec2);
 
 impl Origin {
-    /// The origin at the whole metre at or below `p` (plan metres).
+    /// The origin at `p` (plan metres), both coordinates rounded down to whole metres.
     pub fn at(p: DVec2) -> Self {
         Self(p.floor().as_i64vec2())
     }
@@ -46,7 +46,7 @@ impl Origin {
         plan - self.plan()
     }
 
-    /// What to add to a position local to `self` to make it local to `other`. Exact.
+    /// The offset that makes a position local to `self` local to `other` when added to it. Exact.
     pub fn offset_to(self, other: Origin) -> DVec2 {
         (self.0 - other.0).as_dvec2()
     }
@@ -62,7 +62,7 @@ impl ChunkCoord {
         Self(IVec2::new(x, y))
     }
 
-    /// The chunk of edge `size` metres that holds the plan point `p`; the west and south borders belong to it.
+    /// The chunk of edge `size` metres that holds the plan point `p`. A chunk's west and south borders belong to it.
     pub fn containing(p: DVec2, size: i64) -> Self {
         let cell = p.floor().as_i64vec2().div_euclid(I64Vec2::splat(size));
         Self(IVec2::new(cell.x as i32, cell.y as i32))

@@ -3,18 +3,18 @@
 use crate::space::math;
 use glam::DVec2;
 
-/// Half the equator of the WGS84 ellipsoid, in metres.
+/// Semi-major axis of the WGS84 ellipsoid, in metres.
 const SEMI_MAJOR: f64 = 6_378_137.0;
-/// Square of its first eccentricity.
+/// Square of the first eccentricity of the WGS84 ellipsoid.
 const ECCENTRICITY_2: f64 = 0.006_694_379_990_141_316;
-/// Latitudes up to which a place may be projected: near the poles degrees of longitude have no width.
+/// Greatest latitude of a projection's origin, in degrees: near the poles a degree of longitude has no width.
 const MOST_LATITUDE: f64 = 85.0;
 
-/// A local equirectangular projection: the plan's origin is its middle, and a degree has everywhere the length in metres
-/// that it has there on the WGS84 ellipsoid.
+/// A local equirectangular projection around the plan's origin: a degree has everywhere the length in metres that it has at the
+/// origin on the WGS84 ellipsoid.
 ///
-/// North-south distances are off by less than 0.02 % a degree of latitude away from the middle; east-west ones by
-/// `tan(latitude)` times the angle, 1.6 % a degree away at 42 degrees: fit for domains up to some 200 km.
+/// One degree of latitude away from the origin, north-south distances are off by less than 0.02 %, and east-west distances by
+/// `tan(latitude)` times the angle, which is 1.6 % at 42 degrees. The projection is fit for domains up to some 200 km.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geographic {
     /// Longitude and latitude of the plan's origin, in degrees.
@@ -24,8 +24,8 @@ pub struct Geographic {
 }
 
 impl Geographic {
-    /// The projection around a place, in degrees (longitude east, latitude north). `None` unless the longitude lies in -180
-    /// to 360 and the latitude in -85 to 85.
+    /// The projection around a longitude (east) and latitude (north) in degrees. `None` unless the longitude lies in -180 to 360
+    /// and the latitude in -85 to 85.
     pub fn around(middle: DVec2) -> Option<Self> {
         if !(-180.0..=360.0).contains(&middle.x) || !(-MOST_LATITUDE..=MOST_LATITUDE).contains(&middle.y) {
             return None;
@@ -49,8 +49,8 @@ impl Geographic {
         self.scale
     }
 
-    /// Plan metres of a longitude and latitude in degrees. The way around the globe is the shorter one, so longitudes of
-    /// -180 to 180 and of 0 to 360 mean the same.
+    /// Plan metres of a longitude and latitude in degrees, measured along the shorter way around the globe: longitudes of -180 to
+    /// 180 and of 0 to 360 mean the same.
     pub fn to_plan(&self, degrees: DVec2) -> DVec2 {
         let mut away = degrees - self.middle;
         away.x -= 360.0 * (away.x / 360.0).round();

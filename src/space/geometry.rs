@@ -13,7 +13,7 @@ pub fn left_normal(v: DVec2) -> DVec2 {
     v.perp()
 }
 
-/// Exact side test: positive when `c` is left of the line from `a` to `b`, 0 when on it.
+/// Exact side test: positive when `c` lies to the left of the line from `a` to `b`, 0 when it lies on the line.
 pub fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
     orient2d(coord(a), coord(b), coord(c))
@@ -30,8 +30,8 @@ pub struct SegmentCrossing {
     pub at: DVec2,
 }
 
-/// The point that segments `a`-`b` and `c`-`d` share, touching ends included. Exact in the decision, rounded in the
-/// position. Collinear segments that overlap give the shared point nearest to `a`.
+/// The point that the segments `a`-`b` and `c`-`d` share, touching ends included. The decision is exact, the position is
+/// rounded. For collinear segments that overlap it is the shared point nearest to `a`.
 pub fn segment_crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<SegmentCrossing> {
     let (ab, cd) = (b - a, d - c);
     let (min1, max1, min2, max2) = (a.min(b), a.max(b), c.min(d), c.max(d));

@@ -42,8 +42,8 @@ pub fn angle_of(v: DVec2) -> f64 {
     libm::atan2(v.y, v.x)
 }
 
-/// A number that grows with the angle of `v` from east, counter-clockwise: 0 for east, 1 for north, less than 4, and off by no
-/// more than 0.05 from the angle in quarters of a turn. It sorts by angle without trigonometry.
+/// A number that grows with the angle of `v` from east, counter-clockwise, for sorting by angle without trigonometry: 0 for
+/// east, 1 for north, less than 4, and within 0.05 of the angle in quarter turns.
 pub fn quarters(v: DVec2) -> f64 {
     let share = v.x / (v.x.abs() + v.y.abs()).max(f64::MIN_POSITIVE);
     if v.y < 0.0 { 3.0 + share } else { 1.0 - share }
@@ -70,7 +70,7 @@ pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// `a` at 0, `b` at 1.
+/// Linear interpolation: `a` at `t` = 0, `b` at 1.
 pub fn mix(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }

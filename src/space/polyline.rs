@@ -21,7 +21,7 @@ pub fn point_at(line: &[DVec2], at: f64) -> (DVec2, DVec2) {
     place_on(line, segments(line).map(|(a, b)| a.distance(b)), at)
 }
 
-/// [`point_at`] on a line whose segments have these lengths.
+/// [`point_at`] for a line whose segments have the given lengths.
 fn place_on(line: &[DVec2], lengths: impl Iterator<Item = f64>, at: f64) -> (DVec2, DVec2) {
     let mut left = at;
     let mut last = None;
@@ -38,7 +38,7 @@ fn place_on(line: &[DVec2], lengths: impl Iterator<Item = f64>, at: f64) -> (DVe
     })
 }
 
-/// A polyline with the lengths of its segments, to ask for many points along it.
+/// A polyline with the lengths of its segments, for many calls of [`point_at`].
 pub struct Measured<'a> {
     line: &'a [DVec2],
     lengths: Vec<f64>,
@@ -55,7 +55,7 @@ impl<'a> Measured<'a> {
         self.lengths.iter().sum()
     }
 
-    /// Position at `at` metres along the line: that of [`point_at`].
+    /// Position at `at` metres along the line, as [`point_at`] gives it.
     pub fn point_at(&self, at: f64) -> DVec2 {
         place_on(self.line, self.lengths.iter().copied(), at).0
     }
@@ -78,7 +78,7 @@ pub fn cut_line(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
     out
 }
 
-/// The polyline with points at most `step` metres apart, its own points kept.
+/// The polyline with more points on it, so that they are at most `step` metres apart.
 pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = line.first().copied().into_iter().collect();
     for (a, b) in segments(line) {
@@ -88,7 +88,7 @@ pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
     out
 }
 
-/// Metres along `line` and position of its point nearest to `p`.
+/// The point of a polyline that is nearest to `p`: metres along the line, and position.
 pub fn closest_on_line(p: DVec2, line: &[DVec2]) -> (f64, DVec2) {
     let mut along = 0.0;
     let mut best = (0.0, line.first().copied().unwrap_or_default());
@@ -136,7 +136,7 @@ pub fn centroid(polygon: &[DVec2]) -> DVec2 {
     o + sum / (3.0 * area)
 }
 
-/// Whether `p` lies inside a polygon (even-odd; a point on the border may fall on either side).
+/// Whether `p` lies inside a polygon by the even-odd rule. A point on the border may count as inside or outside.
 pub fn point_in_polygon(p: DVec2, polygon: &[DVec2]) -> bool {
     let mut inside = false;
     for (a, b) in polygon_edges(polygon) {

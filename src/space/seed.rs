@@ -17,7 +17,7 @@ pub fn stable_hash(words: &[u64]) -> u64 {
     xxh3_64(&few[..8 * words.len()])
 }
 
-/// Words that are hashed without asking for memory.
+/// Number of words that are hashed without an allocation.
 const FEW: usize = 8;
 
 fn bytes(words: &[u64]) -> Vec<u8> {
@@ -45,7 +45,7 @@ impl Seed {
     }
 }
 
-/// A stream of random numbers (ChaCha8), made by [`Seed::stream`] for one thing and dropped with it.
+/// A stream of random numbers (ChaCha8). [`Seed::stream`] makes one for each thing that is generated.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 

@@ -7,24 +7,24 @@ use crate::terrain::Terrain;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Distance between the points of the lattice that holds the slopes of a [`FieldKind::Contours`] field, in metres.
+/// Distance between the points at which a [`FieldKind::Contours`] field knows the slope, in metres.
 const LATTICE_STEP: f64 = 80.0;
-/// Slope (rise over run) at which contours count as much as the grid that stands in for them on flat ground.
+/// Slope (rise over run) at which contours count as much as the grid that replaces them on flat ground.
 const FLAT: f64 = 0.035;
 
 /// Distances from the hub of a [`FieldKind::Radial`] field, in metres: rings are round up to the first, and square with round
 /// corners from the second.
 const ROUND_RINGS: (f64, f64) = (60.0, 280.0);
-/// How square the outer rings are: at 0 they stay round, at 1 their sides are straight for a moment where they cross the
-/// axes of the town, and beyond for longer.
+/// How square the outer rings are: round at 0; at 1 their sides have no curvature where they cross the axes of the town; with
+/// larger values they are straight for longer.
 const SQUARENESS: f64 = 1.6;
 
-/// Directions that streets prefer, as a cross at every point: one heading and its three quarter turns.
+/// The directions that streets prefer, as a cross at every point: one heading and its three quarter turns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionField {
     base: f64,
-    /// Centre of a radial field: avenues lead there, and rings around it. The avenues of the two axes are straight; farther out
-    /// the streets between them turn to the nearer axis, as within the ring roads of Beijing.
+    /// Centre of a radial field: avenues lead there, and rings run around it. The avenues along the two axes are straight;
+    /// farther out the streets between them turn towards the nearer axis, as within the ring roads of Beijing.
     hub: Option<DVec2>,
     waves: Vec<Wave>,
     lattice: Option<Lattice>,
@@ -38,7 +38,7 @@ struct Wave {
     amplitude: f64,
 }
 
-/// Headings at the points of a square lattice, four times the angle as a vector so that quarter turns are the same.
+/// Headings at the points of a square lattice, as unit vectors at four times the angle: a quarter turn changes nothing.
 #[derive(Clone, Debug, PartialEq)]
 struct Lattice {
     min: DVec2,
@@ -53,8 +53,8 @@ impl DirectionField {
         Self { base: angle, hub: None, waves: Vec::new(), lattice: None }
     }
 
-    /// A field of a kind, with its headings drawn from `stream`. Slopes are read from `terrain` over `bounds`, which
-    /// is local to `origin` as are all positions given to the field later.
+    /// A field of a kind, with its headings drawn from `stream`. Slopes are read from `terrain` over `bounds`. The box is local
+    /// to `origin`, and so are all positions that the field is asked for later.
     pub(crate) fn draw(
         kind: FieldKind,
         stream: &mut Stream,
@@ -65,7 +65,7 @@ impl DirectionField {
         let mut field = Self::uniform(stream.range(0.0, FRAC_PI_2));
         match kind {
             FieldKind::Grid => {
-                // Surveyors met the coast or an older road: a third of the grids turn a little on their way.
+                // A third of the grids turn a little on their way, as where surveyors met a coast or an older road.
                 if stream.chance(0.33) {
                     field.waves = waves(stream, 2, (1800.0, 3200.0), 0.09);
                 }
@@ -83,48 +83,48 @@ impl DirectionField {
         field
     }
 
-    /// The same with its heading turned to an angle (radians), where nothing else decides on that.
+    /// The same field with its heading turned to `angle` (radians), unless it has a hub or follows the slope.
     pub(super) fn facing(self, angle: f64) -> Self {
         if self.hub.is_some() || self.lattice.is_some() { self } else { Self { base: angle, ..self } }
     }
 
-    /// Angle in radians, in -pi/4..=pi/4 modulo a quarter turn, of the cross of preferred directions at `p` (local to
-    /// the town).
+    /// Angle of the cross of preferred directions at `p` (local to the town), in radians: of its four arms the one in
+    /// -pi/4..=pi/4.
     pub fn angle(&self, p: DVec2) -> f64 {
         let angle = match &self.lattice {
             Some(lattice) => angle_of(lattice.cross(p)) / 4.0,
-            None => self.plain(p),
+            None => self.flat_angle(p),
         };
         angle - (angle / FRAC_PI_2).round() * FRAC_PI_2
     }
 
-    /// The direction of the cross at `p` that is nearest to `heading`, as a unit vector.
+    /// The arm of the cross at `p` that is nearest to `heading`, as a unit vector.
     pub fn along(&self, p: DVec2, heading: DVec2) -> DVec2 {
         let u = direction(self.angle(p));
         let (x, y) = (u.dot(heading), u.perp_dot(heading));
         if x.abs() >= y.abs() { u * x.signum() } else { u.perp() * y.signum() }
     }
 
-    /// The centre that streets run towards and around, if the field has one.
+    /// The centre of a radial field.
     pub(super) fn hub(&self) -> Option<DVec2> {
         self.hub
     }
 
-    /// The angle at a place given from the hub.
-    fn around(&self, from_hub: DVec2) -> f64 {
+    /// The angle at a position relative to the hub.
+    fn angle_around_hub(&self, from_hub: DVec2) -> f64 {
         let angle = angle_of(from_hub);
         let square = SQUARENESS * smoothstep(ROUND_RINGS.0, ROUND_RINGS.1, from_hub.length());
         angle - square / 4.0 * sin(4.0 * (angle - self.base))
     }
 
-    /// The angle without slopes.
-    fn plain(&self, p: DVec2) -> f64 {
-        let base = self.hub.map_or(self.base, |hub| if p == hub { self.base } else { self.around(p - hub) });
+    /// The angle on flat ground.
+    fn flat_angle(&self, p: DVec2) -> f64 {
+        let base = self.hub.map_or(self.base, |hub| if p == hub { self.base } else { self.angle_around_hub(p - hub) });
         base + self.waves.iter().map(|w| w.amplitude * sin(w.vector.dot(p) + w.phase)).sum::<f64>()
     }
 }
 
-/// `count` waves with lengths in a range of metres, whose amplitudes make a heading wander by about `swing` radians.
+/// Waves whose lengths lie in a range of metres, and that together make a heading wander by about `swing` radians.
 fn waves(stream: &mut Stream, count: usize, lengths: (f64, f64), swing: f64) -> Vec<Wave> {
     (0..count)
         .map(|_| {
@@ -153,13 +153,13 @@ impl Lattice {
                     difference(i, x == 0, x + 1 == columns, 1),
                     difference(i, y == 0, y + 1 == rows, columns),
                 );
-                let angle = 4.0 * flat.plain(at(i));
+                let angle = 4.0 * flat.flat_angle(at(i));
                 let steepness = slope.length() / FLAT;
                 let uphill = if steepness > 0.0 { 4.0 * angle_of(slope) } else { 0.0 };
                 direction(angle) + DVec2::new(cos(uphill), sin(uphill)) * steepness * steepness.min(3.0)
             })
             .collect();
-        // Streets follow the lie of the land, not each bump of it.
+        // Streets follow the lie of the land rather than its bumps.
         for _ in 0..2 {
             let before = crosses.clone();
             for y in 1..rows - 1 {
@@ -173,7 +173,7 @@ impl Lattice {
         Self { min, columns, rows, crosses }
     }
 
-    /// The cross at `p` between the lattice points, held constant outside.
+    /// The cross at `p`, interpolated between lattice points and constant outside the lattice.
     fn cross(&self, p: DVec2) -> DVec2 {
         let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
         let at = ((p - self.min) / LATTICE_STEP).clamp(DVec2::ZERO, last);
