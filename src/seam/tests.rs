@@ -3,13 +3,13 @@
 use super::propose::opposite;
 use super::side::StreetSide;
 use super::*;
-use crate::network::measure;
+use crate::analysis::measure;
 use crate::space::{
     distance_to_line, left_normal, line_length, point_at, point_in_polygon, pole, polygon_distance, segment_crossing,
     segment_distance, segments, signed_area,
 };
-use crate::testing::{SettlementCase, any_settlement, settlement};
 use crate::style::FieldKind;
+use crate::testing::{SettlementCase, any_settlement, settlement};
 use crate::town::{CellUse, Town};
 use glam::DVec2;
 use std::collections::BTreeSet;

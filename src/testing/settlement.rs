@@ -1,12 +1,12 @@
 //! Settlements with an outline, gates, a style and ground.
 
 use crate::layer::Cancel;
-use crate::network::{JunctionId, StreetClass};
-use crate::region::{Gate, Outline, Settlement, SettlementId, SizeClass};
+use crate::network::{JunctionId, SizeClass, StreetClass};
+use crate::region::{Gate, Outline, Settlement, SettlementId};
 use crate::space::math::{angle_of, direction, rotate, sin};
 use crate::space::{Origin, Seed, Stream, quantize};
-use crate::terrain::{Terrain, TerrainSample};
 use crate::style::{FieldKind, Style};
+use crate::terrain::{Terrain, TerrainSample};
 use crate::town::{Town, plan};
 use glam::{DVec2, I64Vec2};
 use std::f64::consts::TAU;

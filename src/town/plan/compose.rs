@@ -7,8 +7,8 @@ use super::{arterial, border, cell_graph, cells, connect, grow, open_spaces, qua
 use crate::layer::{Cancel, LayerError};
 use crate::region::{Gate, Outline, Settlement};
 use crate::space::{Bounds, Seed, signed_area};
-use crate::terrain::Terrain;
 use crate::style::Style;
+use crate::terrain::Terrain;
 use crate::town::{DirectionField, Town};
 use glam::DVec2;
 use std::f64::consts::PI;

@@ -212,8 +212,8 @@ mod tests {
     use crate::network::StreetClass;
     use crate::region::Outline;
     use crate::space::{Origin, Seed};
-    use crate::testing::Flat;
     use crate::style::MainRules;
+    use crate::testing::Flat;
     use crate::town::plan::rules::{Limits, Rules};
     use crate::town::plan::site::Site;
     use std::sync::LazyLock;
