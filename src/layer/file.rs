@@ -1,6 +1,4 @@
-//! Reading the files that users write: where an error is, and RON.
-
-use serde::de::DeserializeOwned;
+//! What is wrong with a file that a user wrote, and where.
 
 /// What is wrong with a file, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -17,22 +15,49 @@ pub struct FileError {
 }
 
 impl FileError {
-    /// The file could not be read at all.
+    /// An error without a place: the file could not be read at all, or it is no text.
     pub fn unreadable(file: impl Into<String>, reason: impl std::fmt::Display) -> Self {
-        Self { file: file.into(), line: 0, column: 0, reason: reason.to_string() }
+        Self::new(file, (0, 0), reason)
     }
 
-    /// What is wrong at a byte of the file's content; beyond its end counts as its end.
+    /// An error at a line and a column, both from 1. Control characters in `reason` are escaped, long words are cut.
+    pub fn new(file: impl Into<String>, (line, column): (usize, usize), reason: impl std::fmt::Display) -> Self {
+        Self { file: file.into(), line, column, reason: on_one_line(&reason.to_string()) }
+    }
+
+    /// An error at a byte of the file's content; a byte beyond the end counts as the end.
     pub fn at(file: impl Into<String>, content: &[u8], byte: usize, reason: impl std::fmt::Display) -> Self {
         let before = &content[..byte.min(content.len())];
         let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        Self {
-            file: file.into(),
-            line: before.iter().filter(|b| **b == b'\n').count() + 1,
-            column: String::from_utf8_lossy(&before[line_start..]).chars().count() + 1,
-            reason: reason.to_string(),
+        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
+        let column = String::from_utf8_lossy(&before[line_start..]).chars().count() + 1;
+        Self::new(file, (line, column), reason)
+    }
+}
+
+/// Most characters of a word in a reason: a name that somebody wrote may have a million.
+const LONGEST_WORD: usize = 120;
+/// Most characters of a reason.
+const LONGEST_REASON: usize = 1200;
+
+/// A reason on one line and of bounded length, without characters that a terminal would obey.
+fn on_one_line(reason: &str) -> String {
+    let (mut out, mut word) = (String::new(), 0);
+    for c in reason.chars() {
+        word = if c.is_whitespace() { 0 } else { word + 1 };
+        match c {
+            _ if word > LONGEST_WORD => {}
+            _ if word == LONGEST_WORD => out.push_str("..."),
+            '\n' => out.push(' '),
+            c if c.is_control() => out.extend(c.escape_default()),
+            c => out.push(c),
+        }
+        if out.len() >= LONGEST_REASON {
+            out.push_str("...");
+            break;
         }
     }
+    out
 }
 
 /// A piece of a file for an error's reason: on one line, in quotes, cut where it is long.
@@ -44,82 +69,9 @@ pub(crate) fn quoted(piece: &[u8]) -> String {
     format!("\"{}{more}\"", cut.escape_debug())
 }
 
-/// Parses `text` as RON. Values that check themselves while they are deserialized (`#[serde(try_from = ...)]`) are
-/// reported with the place in the file where they end.
-pub fn from_ron<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, FileError> {
-    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options.from_str(text).map_err(|e| FileError {
-        file: file.to_owned(),
-        line: e.span.end.line,
-        column: e.span.end.col,
-        reason: e.code.to_string().replace('\n', " "),
-    })
-}
-
-/// A value outside its allowed range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{field} is {value}; allowed is {allowed}")]
-pub struct RangeError {
-    /// Dotted path of the field, as in the file.
-    pub field: String,
-    /// The value given.
-    pub value: String,
-    /// What is allowed.
-    pub allowed: String,
-}
-
-impl RangeError {
-    /// Fails unless `low <= value <= high` (so NaN fails).
-    pub fn check(field: &str, value: f64, low: f64, high: f64) -> Result<(), Self> {
-        if value >= low && value <= high {
-            return Ok(());
-        }
-        Err(Self { field: field.into(), value: value.to_string(), allowed: format!("{low} to {high}") })
-    }
-
-    /// Fails unless `low <= pair.0 <= pair.1 <= high`.
-    pub fn check_pair(field: &str, pair: (f64, f64), low: f64, high: f64) -> Result<(), Self> {
-        Self::check(field, pair.0, low, high)?;
-        Self::check(field, pair.1, pair.0, high)
-    }
-
-    /// The same error with `parent.` before the field.
-    pub fn within(self, parent: &str) -> Self {
-        Self { field: format!("{parent}.{}", self.field), ..self }
-    }
-
-    /// The error at the place in `text` where the field is written.
-    pub fn in_file(&self, file: &str, text: &str) -> FileError {
-        let mut at = 0;
-        for name in self.field.split('.') {
-            let found = text[at..].match_indices(name).find(|(i, _)| {
-                let before = text[..at + i].chars().next_back();
-                let after = text[at + i + name.len()..].trim_start().chars().next();
-                !before.is_some_and(|c| c.is_alphanumeric() || c == '_') && after == Some(':')
-            });
-            at += found.map_or(0, |(i, _)| i);
-        }
-        FileError::at(file, text.as_bytes(), at, self)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[derive(serde::Deserialize, Debug)]
-    #[serde(deny_unknown_fields)]
-    struct Sample {
-        size: u32,
-    }
-
-    #[test]
-    fn errors_name_file_line_column_and_reason() {
-        let error = from_ron::<Sample>("a.ron", "(\n  size: 3,\n  colour: 4,\n)").unwrap_err();
-        assert_eq!((error.file.as_str(), error.line), ("a.ron", 3));
-        assert!(error.to_string().contains("colour"), "{error}");
-        assert_eq!(from_ron::<Sample>("a.ron", "(size: 3)").map(|s| s.size), Ok(3));
-    }
 
     #[test]
     fn errors_at_a_byte_count_lines_and_characters() {
@@ -131,10 +83,10 @@ mod tests {
     }
 
     #[test]
-    fn range_errors_find_their_field() {
-        let text = "(\n  roads: (slope: 1),\n  towns: (\n    slope: -2,\n  ),\n)";
-        let error = RangeError::check("slope", -2.0, 0.0, 9.0).unwrap_err().within("towns").in_file("s.ron", text);
-        assert_eq!(error.to_string(), "s.ron:4:5: towns.slope is -2; allowed is 0 to 9");
-        assert!(RangeError::check("x", f64::NAN, 0.0, 1.0).is_err());
+    fn reasons_are_short_and_on_one_line() {
+        let reason = FileError::unreadable("f", format!("a \u{1b}[31mred\nname {}", "x".repeat(999))).reason;
+        assert!(reason.starts_with("a \\u{1b}[31mred name xxx") && reason.ends_with("x..."), "{reason}");
+        assert!(reason.len() < 200, "{reason}");
+        assert!(FileError::unreadable("f", "many words ".repeat(9999)).reason.len() <= LONGEST_REASON + 3);
     }
 }

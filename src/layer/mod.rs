@@ -6,8 +6,12 @@
 mod cache;
 mod error;
 mod file;
+mod range;
+mod ron_text;
 
 pub use cache::{LayerCache, Weigh};
 pub use error::{Cancel, LayerError, Reach};
+pub use file::FileError;
 pub(crate) use file::quoted;
-pub use file::{FileError, RangeError, from_ron};
+pub use range::RangeError;
+pub use ron_text::{error_at, from_ron};

@@ -1,7 +1,7 @@
 //! From the drawing of a patch to the patch: what a drawing may not hold, the centre, the connectable vertices.
 
 use crate::network::PlanarGraph;
-use crate::patch::file::{Line, Name, PatchDrawing, Tag, Weight};
+use crate::patch::file::{Line, PatchDrawing};
 use crate::patch::{Connectable, Pair, Patch, PatchEdge};
 use crate::space::{math::angle_between, quantize, segment_distance};
 use glam::DVec2;
@@ -13,16 +13,34 @@ const MOST_VERTICES: usize = 512;
 const TOUCH: f64 = 0.25;
 /// Least angle between two edges at a vertex, in degrees.
 const LEAST_ANGLE: f64 = 20.0;
+/// Greatest coordinate of a vertex, in metres.
+const REACH: f64 = 2000.0;
+/// Greatest weight.
+const MOST_WEIGHT: f64 = 1e6;
 
 /// What is wrong with the drawing of a patch, and what is allowed.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(super) enum Defect {
+    #[error("the name is empty; give it one that is not used twice in the file")]
+    NoName,
+    #[error("a vertex has the coordinate {0}; allowed is -{REACH} to {REACH} metres")]
+    Coordinate(f64),
+    #[error("the tag {0:?} is not lower-case words joined by `-`, such as \"river-side\"")]
+    Tag(String),
+    #[error("the weight is {0}; allowed is 0 to {MOST_WEIGHT}")]
+    Weight(f64),
+    #[error("a street runs through {0} vertices; it needs two or more, such as (0, 1) or [0, 4, 5, 1]")]
+    ShortStreet(usize),
+    #[error("{0} names no vertex; they are numbered from 0")]
+    NegativeIndex(i64),
+    #[error("a street runs from vertex {0} to itself; its vertices must differ")]
+    StreetToItself(i64),
     #[error("it has {0} vertices; allowed is 2 to {MOST_VERTICES}")]
     VertexCount(usize),
     #[error("it has no local streets (main ones are not built); draw one in `streets`, such as (0, 1)")]
     NoStreets,
     #[error("{what} names vertex {index}, but there are {count} vertices, 0 to {}", count - 1)]
-    DanglingIndex { what: &'static str, index: usize, count: usize },
+    DanglingIndex { what: &'static str, index: i64, count: usize },
     #[error("the street {0}-{1} is drawn twice; draw it once")]
     DuplicateEdge(usize, usize),
     #[error("vertices {0} and {1} are at the same place; use one of them for both streets")]
@@ -39,35 +57,44 @@ pub(super) enum Defect {
     Unconnected(usize, usize),
 }
 
-/// The patch that a drawing describes.
-pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, String> {
-    let name = drawing.name.0.clone();
-    build(drawing).map_err(|defect| format!("patch `{name}`: {defect}"))
+/// A defect, and the path to its place in the drawing, such as `vertices[3]`.
+#[derive(Debug, PartialEq)]
+pub(super) struct Refused {
+    pub path: String,
+    pub defect: Defect,
 }
 
-fn build(drawing: PatchDrawing) -> Result<Patch, Defect> {
-    let PatchDrawing { name: Name(name), vertices, streets, main, dead_ends, tags, weight: Weight(weight), at_most } =
-        drawing;
-    let places: Vec<DVec2> = vertices.iter().map(|p| p.0).collect();
-    if !(2..=MOST_VERTICES).contains(&places.len()) {
-        return Err(Defect::VertexCount(places.len()));
+impl Defect {
+    fn at(self, path: impl Into<String>) -> Refused {
+        Refused { path: path.into(), defect: self }
     }
-    for (i, a) in places.iter().enumerate() {
-        if let Some(j) = places[..i].iter().position(|b| b.distance(*a) < TOUCH) {
-            return Err(Defect::SamePlace(j, i));
-        }
+}
+
+/// The patch that a drawing describes.
+pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
+    let PatchDrawing { name, vertices, streets, main, dead_ends, tags, weight, at_most } = drawing;
+    if name.trim().is_empty() {
+        return Err(Defect::NoName.at("name"));
     }
+    if let Some(i) = tags.iter().position(|t| !is_tag(t)) {
+        return Err(Defect::Tag(tags[i].clone()).at(format!("tags[{i}]")));
+    }
+    if !(0.0..=MOST_WEIGHT).contains(&weight) {
+        return Err(Defect::Weight(weight).at("weight"));
+    }
+    let places = places(&vertices)?;
     let edges = edges(&streets, &main, places.len())?;
     let around = around(places.len(), &edges);
     if let Some(v) = around.iter().position(Vec::is_empty) {
-        return Err(Defect::UnusedVertex(v));
+        return Err(Defect::UnusedVertex(v).at(format!("vertices[{v}]")));
     }
-    for &index in &dead_ends {
-        match around.get(index) {
-            None => return Err(Defect::DanglingIndex { what: "`dead_ends`", index, count: places.len() }),
-            Some(edges) if edges.len() != 1 => return Err(Defect::NoDeadEnd(index, edges.len())),
-            Some(_) => {}
-        }
+    for (i, &index) in dead_ends.iter().enumerate() {
+        let defect = match around.get(index) {
+            None => Defect::DanglingIndex { what: "`dead_ends`", index: index as i64, count: places.len() },
+            Some(edges) if edges.len() != 1 => Defect::NoDeadEnd(index, edges.len()),
+            Some(_) => continue,
+        };
+        return Err(defect.at(format!("dead_ends[{i}]")));
     }
     check_geometry(&places, &edges, &around)?;
 
@@ -89,7 +116,7 @@ fn build(drawing: PatchDrawing) -> Result<Patch, Defect> {
         pairs: pairs(&vertices, &connectables),
         vertices,
         edges,
-        tags: tags.into_iter().map(|Tag(t)| t).collect(),
+        tags: tags.into_iter().collect(),
         weight,
         at_most,
         connectables,
@@ -99,21 +126,60 @@ fn build(drawing: PatchDrawing) -> Result<Patch, Defect> {
     Ok(patch)
 }
 
-/// The edges of the drawn lines, those of `streets` first.
-fn edges(streets: &[Line], main: &[Line], count: usize) -> Result<Vec<PatchEdge>, Defect> {
+/// Whether a tag is lower-case words joined by `-`.
+fn is_tag(tag: &str) -> bool {
+    let is_word = |w: &str| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    tag.split('-').all(is_word)
+}
+
+/// The positions of the vertices, each its own place.
+fn places(vertices: &[(f64, f64)]) -> Result<Vec<DVec2>, Refused> {
+    for (i, (x, y)) in vertices.iter().enumerate() {
+        if let Some(c) = [*x, *y].into_iter().find(|c| !(-REACH..=REACH).contains(c)) {
+            return Err(Defect::Coordinate(c).at(format!("vertices[{i}]")));
+        }
+    }
+    if !(2..=MOST_VERTICES).contains(&vertices.len()) {
+        return Err(Defect::VertexCount(vertices.len()).at("vertices"));
+    }
+    let places: Vec<DVec2> = vertices.iter().map(|(x, y)| quantize(DVec2::new(*x, *y))).collect();
+    for (i, a) in places.iter().enumerate() {
+        if let Some(j) = places[..i].iter().position(|b| b.distance(*a) < TOUCH) {
+            return Err(Defect::SamePlace(j, i).at(format!("vertices[{i}]")));
+        }
+    }
+    Ok(places)
+}
+
+/// The indices of the vertices of a drawn line.
+fn indices(Line(line): &Line, what: &'static str, count: usize) -> Result<Vec<usize>, Defect> {
+    if line.len() < 2 {
+        return Err(Defect::ShortStreet(line.len()));
+    }
+    if let Some(w) = line.windows(2).find(|w| w[0] == w[1]) {
+        return Err(Defect::StreetToItself(w[0]));
+    }
+    let index = |i: &i64| match usize::try_from(*i) {
+        Err(_) => Err(Defect::NegativeIndex(*i)),
+        Ok(index) if index >= count => Err(Defect::DanglingIndex { what, index: *i, count }),
+        Ok(index) => Ok(index),
+    };
+    line.iter().map(index).collect()
+}
+
+/// The edges of the drawn lines, edges of `streets` first.
+fn edges(streets: &[Line], main: &[Line], count: usize) -> Result<Vec<PatchEdge>, Refused> {
     let mut edges: Vec<PatchEdge> = Vec::new();
     let mut known: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let lines = streets.iter().map(|l| (l, false)).chain(main.iter().map(|l| (l, true)));
-    for (Line(line), main) in lines {
-        if let Some(&index) = line.iter().find(|v| **v >= count) {
-            let what = if main { "`main`" } else { "a street" };
-            return Err(Defect::DanglingIndex { what, index, count });
-        }
-        for w in line.windows(2) {
+    let streets = streets.iter().enumerate().map(|(i, l)| (i, l, false));
+    for (i, line, main) in streets.chain(main.iter().enumerate().map(|(i, l)| (i, l, true))) {
+        let (what, field) = if main { ("`main`", "main") } else { ("a street", "streets") };
+        let here = |defect: Defect| defect.at(format!("{field}[{i}]"));
+        for w in indices(line, what, count).map_err(here)?.windows(2) {
             let (a, b) = (w[0], w[1]);
             match known.get(&(a.min(b), a.max(b))) {
                 Some(&e) if main && !edges[e].main => edges[e].main = true,
-                Some(_) => return Err(Defect::DuplicateEdge(a, b)),
+                Some(_) => return Err(here(Defect::DuplicateEdge(a, b))),
                 None => {
                     known.insert((a.min(b), a.max(b)), edges.len());
                     edges.push(PatchEdge { a, b, main });
@@ -121,7 +187,7 @@ fn edges(streets: &[Line], main: &[Line], count: usize) -> Result<Vec<PatchEdge>
             }
         }
     }
-    if edges.iter().all(|e| e.main) { Err(Defect::NoStreets) } else { Ok(edges) }
+    if edges.iter().all(|e| e.main) { Err(Defect::NoStreets.at("streets")) } else { Ok(edges) }
 }
 
 /// Indices of the edges at each vertex.
@@ -134,7 +200,7 @@ fn around(count: usize, edges: &[PatchEdge]) -> Vec<Vec<usize>> {
     around
 }
 
-fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) -> Result<(), Defect> {
+fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) -> Result<(), Refused> {
     for (at, here) in around.iter().enumerate() {
         for (i, e) in here.iter().enumerate() {
             let a = edges[*e].other(at);
@@ -143,7 +209,7 @@ fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) 
                 let angle = angle_between(places[a] - places[at], places[b] - places[at]).to_degrees();
                 // Half a thousandth of a degree for the rounding of positions.
                 if angle < LEAST_ANGLE - 5e-4 {
-                    return Err(Defect::SharpAngle { at, a: b, b: a, angle });
+                    return Err(Defect::SharpAngle { at, a: b, b: a, angle }.at(format!("vertices[{at}]")));
                 }
             }
         }
@@ -152,7 +218,8 @@ fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) 
         for f in &edges[..i] {
             let meet = [f.a, f.b].iter().any(|v| *v == e.a || *v == e.b);
             if !meet && segment_distance(places[e.a], places[e.b], places[f.a], places[f.b]) < TOUCH {
-                return Err(Defect::Crossing((f.a, f.b), (e.a, e.b)));
+                let field = if e.main { "main" } else { "streets" };
+                return Err(Defect::Crossing((f.a, f.b), (e.a, e.b)).at(field));
             }
         }
     }
@@ -162,7 +229,7 @@ fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) 
         stack.extend(around[v].iter().map(|e| edges[*e].other(v)).filter(|w| reached.insert(*w)));
     }
     match (0..places.len()).find(|v| !reached.contains(v)) {
-        Some(v) => Err(Defect::Unconnected(0, v)),
+        Some(v) => Err(Defect::Unconnected(0, v).at(format!("vertices[{v}]"))),
         None => Ok(()),
     }
 }

@@ -53,6 +53,7 @@ mod database;
 mod file;
 #[cfg(test)]
 mod library;
+mod read;
 mod semantics;
 mod set;
 mod shape;

@@ -1,10 +1,7 @@
 //! Patches, patterns and patch sets.
 
-use crate::layer::{FileError, from_ron};
-use crate::patch::file::SetFile;
 use glam::DVec2;
 use std::collections::BTreeSet;
-use std::path::Path;
 
 /// A vertex of a patch at which the network may go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,22 +86,4 @@ pub struct PatchSet {
     pub patches: Vec<Patch>,
     /// Patterns.
     pub patterns: Vec<Pattern>,
-}
-
-impl PatchSet {
-    /// Reads a patch set from RON text (the format is described in [`crate::patch`]); `file` is named in errors, and its
-    /// stem names the set. The tags of Teng 2017, Table 1 are found here ([`tag`](crate::patch::tag)).
-    ///
-    /// # Errors
-    /// Text that is not RON, or describes a patch or pattern that cannot be: with line, column and what is allowed.
-    pub fn from_ron(file: &str, text: &str) -> Result<Self, FileError> {
-        if text.trim().is_empty() {
-            let reason =
-                "the file is empty; a patch set is (patches: [(name: ..., vertices: ..., streets: ...)])".into();
-            return Err(FileError { file: file.into(), line: 1, column: 1, reason });
-        }
-        let SetFile { patches, patterns } = from_ron(file, text)?;
-        let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok(Self { name, patches, patterns })
-    }
 }
