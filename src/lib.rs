@@ -9,14 +9,17 @@
 //! |---|---|---|
 //! | `bevy` | yes | the plugin |
 //! | `window` | yes | what the examples need besides: a window and an egui panel |
+//! | `noise` | no | terrain from the functions of the crate `noise` |
 //! | `cli` | no | the `sprawl` command line, the exporters, terrain from PNG |
 //!
 //! The modules are layers, bottom to top: [`space`], [`network`], [`patch`] and [`layer`] know no other; then
 //! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`parcel`], [`chunk`] and [`mesh`], each reading only those
-//! below it; and [`world`] over all of them.
+//! below it; and [`world`] over all of them. [`analysis`] measures worlds.
 //!
 //! The plan's axes are x east and y north in metres; angles are radians, counter-clockwise from east. In Bevy a plan point
 //! is `(x, height, -y)`.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod analysis;
 pub mod chunk;
