@@ -26,11 +26,15 @@
 mod field;
 mod lake;
 mod noise;
+#[cfg(feature = "noise")]
+mod noise_fn;
 mod raster;
 mod river;
 mod settings;
 
 pub use self::noise::NoiseTerrain;
+#[cfg(feature = "noise")]
+pub use self::noise_fn::{NoiseFnSettings, NoiseFnTerrain};
 #[cfg(feature = "cli")]
 pub use self::raster::PngPlace;
 pub use self::raster::{Band, Holes, MOST_CELLS, Raster, RasterTerrain};
