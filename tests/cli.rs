@@ -91,6 +91,57 @@ fn bad_input_is_refused_in_one_line() {
 }
 
 #[test]
+fn a_flag_without_a_use_is_refused() {
+    let roads = ["roads", "--terrain", "a.asc", "--settlements", "b.csv", "-o", "c.svg"];
+    let map = |name| ["map", "-o", name];
+    let cases: &[(&[&str], &[&str])] = &[
+        (&roads, &["--seed", "3"]),
+        (&roads, &["--edits", "missing.ron"]),
+        (&roads, &["--assets", "missing"]),
+        (&roads, &["--cell", "30"]),
+        (&["roads", "--terrain", "a.asc", "--settlements", "b.csv", "-o", "c.geojson"], &["--pixels", "300"]),
+        (&["expressive-range"], &["--settings", "missing.ron"]),
+        (&["expressive-range"], &["--assets", "missing"]),
+        (&["expressive-range"], &["--edits", "missing.ron"]),
+        (&["patches", "check", "assets"], &["--seed", "3"]),
+        (&["patches", "check", "assets"], &["--edits", "missing.ron"]),
+        (&["towns"], &["--seed", "3"]),
+        (&["soak", "--seeds", "0..1"], &["--seed", "3"]),
+        (&["soak", "--seeds", "0..1", "--windows"], &["--seed", "3"]),
+        (&map("a.geojson"), &["--pixels", "300"]),
+        (&map("a.osm"), &["--show", "region"]),
+        (&map("a.glb"), &["--colour-by", "origin"]),
+        (&map("a.png"), &["--detail", "full"]),
+        (&map("a.svg"), &["--everything"]),
+    ];
+    for (command, flag) in cases {
+        let line = refused(&[*command, flag].concat());
+        assert!(line.contains(flag[0]), "{command:?}: {line}");
+    }
+    assert!(refused(&["seams", "--most-difference", "NaN"]).contains("--most-difference"));
+}
+
+#[test]
+fn a_file_that_is_read_is_not_written() {
+    let text = "(chunk_size: 512)";
+    let settings = file("settings.svg", text).to_string_lossy().into_owned();
+    let line = refused(&["map", "--size", "300", "--settings", &settings, "-o", &settings]);
+    assert!(line.contains("settings.svg: is a file that is read"), "{line}");
+    assert_eq!(std::fs::read_to_string(&settings).ok().as_deref(), Some(text));
+}
+
+#[test]
+fn places_never_lie_in_comments_and_names_are_escaped() {
+    let text = "(\n  /* terrain: see docs, sea_share: 0.3 */\n  terrain: (\n    sea_share: 5,\n  ),\n)";
+    let settings = file("comment.ron", text);
+    let line = refused(&["stats", "--settings", &settings.to_string_lossy()]);
+    assert!(line.contains("comment.ron:4:5: terrain.sea_share is 5"), "{line}");
+    let settings = file("escape.ron", "(settlements: (steep: (\"\u{1b}[31mred\", 0.1)))");
+    let line = refused(&["stats", "--settings", &settings.to_string_lossy()]);
+    assert!(line.contains("escape.ron:1:") && !line.contains('\u{1b}'), "{line}");
+}
+
+#[test]
 fn a_wrong_file_of_edits_is_refused_at_its_line() {
     let cases = [
         ("colour", "(\n  settlements: [\n    Ban(at: (0, 0), colour: 3),\n  ],\n)", "colour.ron:3:"),
@@ -269,7 +320,9 @@ fn every_format_is_written_and_the_map_passes_a_strangers_check() {
         let path = file(name, "");
         let path = path.to_string_lossy();
         let size = if name == "town.glb" { "600" } else { "1500" };
-        let report = json(&["map", "--seed", "5", "--at", at, "--size", size, "--pixels", "500", "-o", &path]);
+        let pixels: &[&str] =
+            if name.ends_with("svg") || name.ends_with("png") { &["--pixels", "500"] } else { &[] };
+        let report = json(&[&["map", "--seed", "5", "--at", at, "--size", size, "-o", &path], pixels].concat());
         let bytes = std::fs::read(&*path).expect("a file");
         assert!(bytes.starts_with(magic), "{name}");
         assert_eq!(report["bytes"].as_u64(), Some(bytes.len() as u64));

@@ -1,13 +1,35 @@
 //! `sprawl digest`: hashes of the exact bits of chunks, layer by layer.
 
-use crate::args::{Common, DigestArgs, Order};
+use crate::common::Common;
 use crate::fail::Fail;
+use crate::values::{ChunkRange, chunk_range};
 use crate::work;
 use bevy_sprawl::analysis::digest::{ChunkDigest, Digest, LAYERS};
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::space::{ChunkCoord, Seed};
+use clap::{Args, ValueEnum};
 use serde_json::{Map, json};
 use std::fmt::Write;
+
+#[derive(Args)]
+pub struct DigestArgs {
+    /// Columns and rows of chunks, ends excluded
+    #[arg(long, value_name = "X0..X1,Y0..Y1", allow_hyphen_values = true, value_parser = chunk_range)]
+    pub chunks: ChunkRange,
+    /// Order in which the chunks are made; the hashes do not depend on it
+    #[arg(long, value_name = "ORDER", default_value = "forward")]
+    pub order: Order,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Order {
+    /// Column by column
+    Forward,
+    /// The other way round
+    Reverse,
+    /// In an order that follows from the seed
+    Shuffled,
+}
 
 /// Runs the command.
 pub fn run(common: &Common, args: &DigestArgs) -> Result<(), Fail> {

@@ -3,17 +3,19 @@
 
 mod plot;
 
-use crate::args::{Common, ExpressiveArgs};
+use crate::common::{Common, Flag};
 use crate::fail::Fail;
-use crate::map::Output;
+use crate::output::Output;
 use crate::stats::length_inside;
 use crate::work;
 use bevy_sprawl::network::{GrowthRules, PlanarGraph, VertexIx, grow};
 use bevy_sprawl::space::{Bounds, Seed};
+use clap::Args;
 use glam::DVec2;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::path::PathBuf;
 
 /// Ranges of degrees, in the order of the paper's rows.
 const DEGREES: [(usize, usize); 8] = [(2, 3), (2, 4), (2, 5), (3, 3), (3, 4), (3, 5), (4, 4), (4, 5)];
@@ -42,18 +44,29 @@ fn parameters(panel: usize) -> ((usize, usize), u32) {
     (DEGREES[panel / ANGLES.len()], ANGLES[panel % ANGLES.len()])
 }
 
+#[derive(Args)]
+pub struct ExpressiveArgs {
+    /// Networks for each pair of a range of degrees and a least angle
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub networks: u64,
+    /// Folder to write `expressive-range.csv`, a figure of all pairs (`.svg`) and one of all networks (`-all.svg`) to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// Runs the command.
 pub fn run(common: &Common, args: &ExpressiveArgs) -> Result<(), Fail> {
+    common.refuse("`sprawl expressive-range`", &[Flag::Settings, Flag::Assets, Flag::Edits])?;
     let folder = |name: &str| args.output.as_ref().map(|f| f.join(name));
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(|e| Fail::file(folder, e))?;
     }
     // Before the work, not after it.
-    let open = |name: &str| folder(name).map(|path| Output::create(&path)).transpose();
+    let open = |name: &str| folder(name).map(|path| Output::create(&path, &[])).transpose();
     let files = [open("expressive-range.csv")?, open("expressive-range.svg")?, open("expressive-range-all.svg")?];
     let panels = DEGREES.len() * ANGLES.len();
     let jobs: Vec<(u64, usize)> = (0..args.networks).flat_map(|i| (0..panels).map(move |p| (i, p))).collect();
-    let networks = work::each(common, "growing networks", &jobs, |(i, panel)| Ok(network(common.seed, *panel, *i)))?;
+    let networks = work::each(common, "growing networks", &jobs, |(i, panel)| Ok(network(common.seed(), *panel, *i)))?;
     let all: Vec<Vec<Network>> =
         (0..panels).map(|p| networks.iter().filter(|n| n.panel == p).copied().collect()).collect();
     let points = |of: &[Network]| of.iter().map(|n| (n.density, n.cnr)).collect::<Vec<_>>();

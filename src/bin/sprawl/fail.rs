@@ -35,8 +35,19 @@ impl Fail {
             Self::World(reason) => (reason, 1),
             Self::Closed => return ExitCode::SUCCESS,
         };
-        eprintln!("sprawl: {}", reason.split_whitespace().collect::<Vec<_>>().join(" "));
+        let line = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        // What a terminal would obey is shown instead.
+        let escaped = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+        eprintln!("sprawl: {}", line.chars().map(escaped).collect::<String>());
         ExitCode::from(code)
+    }
+}
+
+/// Fails if one of these flags is given and has no use: its name, what it needs, and whether that is so.
+pub fn refuse_unused<'a>(flags: impl IntoIterator<Item = (&'a str, &'a str, bool)>) -> Result<(), Fail> {
+    match flags.into_iter().find(|(_, _, is_unused)| *is_unused) {
+        Some((flag, needed, _)) => Err(Fail::input(format!("{flag} needs {needed}"))),
+        None => Ok(()),
     }
 }
 

@@ -1,45 +1,88 @@
 //! `sprawl map`: draws or exports a square.
 
-use crate::args::{ColourBy, Common, DetailArg, MapArgs, Show};
 use crate::beside;
-use crate::fail::Fail;
+use crate::common::{At, Common};
+use crate::fail::{Fail, refuse_unused};
+use crate::output::{Format, Output, write, write_pair};
+use crate::values::{point, size};
 use crate::work;
 use bevy_sprawl::export::glb::PlacedMesh;
 use bevy_sprawl::export::svg::{Colouring, MapStyle};
-use bevy_sprawl::export::{self, ExportError, Plan, geojson, glb, osm, png, svg};
+use bevy_sprawl::export::{self, Plan, glb};
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::space::Bounds;
 use bevy_sprawl::world::{Area, World};
+use clap::{Args, ValueEnum};
+use glam::DVec2;
 use serde_json::json;
 use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
-
-/// What a file's extension asks for.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    Svg,
-    Png,
-    GeoJson,
-    Osm,
-    Glb,
-}
-
-impl Format {
-    /// The format that a file's name ends in, if it is one of `allowed`.
-    pub fn of(path: &Path, allowed: &[(&str, Self)]) -> Result<Self, Fail> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-        let names: Vec<String> = allowed.iter().map(|(name, _)| format!(".{name}")).collect();
-        let unknown = || Fail::file(path, format!("unknown kind of file; the name must end in {}", names.join(" ")));
-        allowed.iter().find(|(name, _)| *name == extension).map(|(_, format)| *format).ok_or_else(unknown)
-    }
-}
 
 /// Largest square that is written as one GLB file, in metres.
 const GLB_MOST: f64 = 16_000.0;
 /// Beyond this, a picture shows the region unless told otherwise.
 const REGION_FROM: f64 = 20_000.0;
+
+#[derive(Args)]
+pub struct MapArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "2000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+    /// File to write: .svg .png .geojson .osm or .glb
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Width and height of an SVG or PNG [default: 1600]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub pixels: Option<u32>,
+    /// What the colours of streets say in an SVG or PNG [default: class]
+    #[arg(long, value_name = "WHAT")]
+    pub colour_by: Option<ColourBy>,
+    /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees
+    #[arg(long, value_name = "FILE")]
+    pub beside: Option<PathBuf>,
+    /// Middle of the real town [default: that of the file's streets]
+    #[arg(long, value_name = "LON,LAT", requires = "beside", allow_hyphen_values = true, value_parser = point)]
+    pub beside_at: Option<DVec2>,
+    /// How much an SVG or PNG shows [default: auto]
+    #[arg(long, value_name = "WHAT")]
+    pub show: Option<Show>,
+    /// Buildings, parks and names in an OSM file too; some readers take every way for a street
+    #[arg(long)]
+    pub everything: bool,
+    /// Level of detail of a GLB [default: full]
+    #[arg(long, value_name = "LEVEL")]
+    pub detail: Option<DetailArg>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColourBy {
+    /// Class: highway, major, minor, arterial, main, local
+    Class,
+    /// What made it: main street, patch, growth, repair
+    Origin,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Show {
+    /// Streets up to 20 km, the region beyond
+    Auto,
+    /// Everything
+    Streets,
+    /// Settlements and roads alone
+    Region,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DetailArg {
+    /// Everything
+    Full,
+    /// Coarse ground, flat ribbons and boxes
+    Reduced,
+}
 
 /// Runs the command.
 pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
@@ -54,23 +97,27 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     if format == Format::Glb && args.size > GLB_MOST {
         return Err(Fail::input(format!("--size {} is too large for a GLB: at most {GLB_MOST} m", args.size)));
     }
-    if args.beside.is_some() && !matches!(format, Format::Svg | Format::Png) {
-        return Err(Fail::input("--beside needs a picture: a name that ends in .svg or .png"));
-    }
+    check_flags(args, format)?;
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
     // Before the work, not after it.
-    let mut file = Output::create(&args.output)?;
+    let inputs: Vec<PathBuf> = common.inputs().into_iter().chain(args.beside.clone()).collect();
+    let mut file = Output::create(&args.output, &inputs)?;
     let start = Instant::now();
     let mut report = json!({ "file": args.output.to_string_lossy(), "at": args.at.at.to_array(), "size_m": args.size });
     let content = if format == Format::Glb {
-        let meshes = meshes(common, &world, bounds, args.detail)?;
+        let meshes = meshes(common, &world, bounds, args.detail.unwrap_or(DetailArg::Full))?;
         file.write_all(&glb::write(&meshes, bounds.centre())?)?;
         report["chunks"] = json!(meshes.len());
         format!("{} chunks", meshes.len())
     } else {
         let picture = matches!(format, Format::Svg | Format::Png);
-        let region = picture && (args.show == Show::Region || args.show == Show::Auto && args.size > REGION_FROM);
+        let region = picture
+            && match args.show.unwrap_or(Show::Auto) {
+                Show::Auto => args.size > REGION_FROM,
+                Show::Streets => false,
+                Show::Region => true,
+            };
         let area =
             if region { export::region(&world, bounds, &Cancel::new())? } else { work::area(common, &world, bounds)? };
         let outlines = export::outlines(&world, &area)?;
@@ -82,11 +129,12 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             chunk_size: world.settings().chunk_size,
             real: None,
         };
-        let colouring = match args.colour_by {
+        let colouring = match args.colour_by.unwrap_or(ColourBy::Class) {
             ColourBy::Class => Colouring::Class,
             ColourBy::Origin => Colouring::Origin,
         };
-        let style = MapStyle { pixels: args.pixels, colouring, ..MapStyle::default() };
+        let usual = MapStyle::default();
+        let style = MapStyle { pixels: args.pixels.unwrap_or(usual.pixels), colouring, ..usual };
         let size = world.settings().chunk_size;
         let real = args.beside.as_ref().map(|path| beside::area(path, args.beside_at, args.size, size)).transpose()?;
         let draw = || match &real {
@@ -109,6 +157,19 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     work::print(common, &report, &people)
 }
 
+/// Fails if a flag is given that a format has no use for.
+fn check_flags(args: &MapArgs, format: Format) -> Result<(), Fail> {
+    let picture = matches!(format, Format::Svg | Format::Png);
+    refuse_unused([
+        ("--beside", "a picture: a name that ends in .svg or .png", args.beside.is_some() && !picture),
+        ("--pixels", "a picture: a name that ends in .svg or .png", args.pixels.is_some() && !picture),
+        ("--colour-by", "a picture: a name that ends in .svg or .png", args.colour_by.is_some() && !picture),
+        ("--show", "a picture: a name that ends in .svg or .png", args.show.is_some() && !picture),
+        ("--everything", "an OSM file: a name that ends in .osm", args.everything && format != Format::Osm),
+        ("--detail", "a GLB file: a name that ends in .glb", args.detail.is_some() && format != Format::Glb),
+    ])
+}
+
 fn counts(area: &Area) -> [(&'static str, usize); 5] {
     [
         ("streets", area.streets.len()),
@@ -117,33 +178,6 @@ fn counts(area: &Area) -> [(&'static str, usize); 5] {
         ("buildings", area.footprints.len()),
         ("settlements", area.settlements.len()),
     ]
-}
-
-/// Writes a plan in any format but GLB.
-pub fn write(
-    plan: &Plan<'_>,
-    format: Format,
-    style: &MapStyle,
-    everything: bool,
-    file: &mut dyn Write,
-) -> Result<(), ExportError> {
-    match format {
-        Format::Svg => file.write_all(svg::write(plan, style)?.as_bytes())?,
-        Format::Png => file.write_all(&png::write(plan, style)?)?,
-        Format::GeoJson => geojson::write(plan, file)?,
-        Format::Osm => osm::write(plan, osm::Options { everything }, file)?,
-        Format::Glb => {}
-    }
-    Ok(())
-}
-
-/// Writes two plans beside each other, as a picture.
-pub fn write_pair(plans: [(&Plan<'_>, &MapStyle); 2], format: Format, file: &mut dyn Write) -> Result<(), ExportError> {
-    match format {
-        Format::Svg => file.write_all(svg::write_pair(plans)?.as_bytes())?,
-        _ => file.write_all(&png::write_pair(plans)?)?,
-    }
-    Ok(())
 }
 
 fn meshes(common: &Common, world: &World, bounds: Bounds, detail: DetailArg) -> Result<Vec<PlacedMesh>, Fail> {
@@ -160,55 +194,4 @@ fn meshes(common: &Common, world: &World, bounds: Bounds, detail: DetailArg) -> 
             mesh: mesh::build(&chunk, &**world.terrain(), detail, &cancel)?,
         })
     })
-}
-
-/// A file being written under a name of its own beside the wanted one, so that a run that fails leaves no half file.
-pub struct Output {
-    file: std::io::BufWriter<std::fs::File>,
-    part: std::path::PathBuf,
-    path: std::path::PathBuf,
-    done: bool,
-}
-
-impl Output {
-    /// Opens it.
-    pub fn create(path: &Path) -> Result<Self, Fail> {
-        if path.is_dir() {
-            return Err(Fail::file(path, "is a folder"));
-        }
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.part", std::process::id()));
-        let part = path.with_file_name(name);
-        let file = std::fs::File::create(&part).map_err(|e| Fail::file(path, e))?;
-        Ok(Self { file: std::io::BufWriter::new(file), part, path: path.to_owned(), done: false })
-    }
-
-    /// Puts the file in its place and gives its size in bytes.
-    pub fn finish(mut self) -> Result<u64, Fail> {
-        let fail = |e| Fail::file(&self.path, e);
-        self.file.flush().map_err(fail)?;
-        let bytes = self.file.get_ref().metadata().map_err(fail)?.len();
-        std::fs::rename(&self.part, &self.path).map_err(fail)?;
-        self.done = true;
-        Ok(bytes)
-    }
-}
-
-impl Write for Output {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.file.write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Drop for Output {
-    fn drop(&mut self) {
-        if !self.done {
-            // The reason for the failure matters more than a file left behind.
-            let _ = std::fs::remove_file(&self.part);
-        }
-    }
 }

@@ -1,20 +1,47 @@
 //! `sprawl patches`: checks and draws patch sets.
 
-use crate::args::{Common, PatchesArgs, PatchesCommand};
+use crate::common::{Common, Flag};
 use crate::fail::{Fail, describe};
-use crate::map::{Format, Output};
+use crate::output::{Format, Output};
 use crate::work;
 use bevy_sprawl::export::png;
 use bevy_sprawl::layer::FileError;
 use bevy_sprawl::patch::{self, PatchSet};
+use clap::{Args, Subcommand};
 use serde_json::{Map, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+#[derive(Args)]
+pub struct PatchesArgs {
+    #[command(subcommand)]
+    pub command: PatchesCommand,
+}
+
+#[derive(Subcommand)]
+pub enum PatchesCommand {
+    /// Read patch sets and name what is wrong with them
+    Check {
+        /// Patch sets, or folders of them
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Draw the patches of one or more sets on a sheet
+    Draw {
+        /// Patch sets, or folders of them
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        /// File to write: .svg or .png
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
+}
+
 /// Runs the command.
 pub fn run(common: &Common, args: &PatchesArgs) -> Result<(), Fail> {
+    common.refuse("`sprawl patches`", &[Flag::Seed, Flag::Settings, Flag::Assets, Flag::Edits])?;
     match &args.command {
         PatchesCommand::Check { files } => check(common, files),
         PatchesCommand::Draw { files, output } => draw(common, files, output),
@@ -92,9 +119,10 @@ fn check(common: &Common, paths: &[PathBuf]) -> Result<(), Fail> {
 /// One sheet of all patches of the sets.
 fn draw(common: &Common, paths: &[PathBuf], output: &Path) -> Result<(), Fail> {
     let format = Format::of(output, &[("svg", Format::Svg), ("png", Format::Png)])?;
-    let sets = expand(paths)?.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
+    let files = expand(paths)?;
+    let sets = files.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
     let sheet = patch::draw_sheet(&sets.iter().collect::<Vec<_>>());
-    let mut file = Output::create(output)?;
+    let mut file = Output::create(output, &files)?;
     match format {
         Format::Png => file.write_all(&png::from_svg(&sheet)?)?,
         _ => file.write_all(sheet.as_bytes())?,

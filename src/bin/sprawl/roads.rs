@@ -1,14 +1,16 @@
 //! `sprawl roads`: roads between given settlements on given ground, and how they compare with real ones.
 
+mod args;
 mod compare;
 mod ground;
 pub mod reference;
 mod report;
 
-use crate::args::{Common, RoadsArgs};
+use crate::common::{Common, Flag};
 use crate::fail::Fail;
-use crate::map::{Format, Output, write, write_pair};
+use crate::output::{Format, Output, write, write_pair};
 use crate::work;
+pub use args::RoadsArgs;
 use bevy_sprawl::export::svg::MapStyle;
 use bevy_sprawl::export::{self, ExportError, Plan};
 use bevy_sprawl::layer::{FileError, from_ron};
@@ -20,7 +22,7 @@ use compare::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
 use ron::{Map, Value};
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -31,6 +33,10 @@ const NODES: (f64, f64) = (256.0, 1_024.0);
 pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let formats = [("svg", Format::Svg), ("png", Format::Png), ("geojson", Format::GeoJson)];
     let format = Format::of(&args.output, &formats)?;
+    common.refuse("`sprawl roads`", &[Flag::Seed, Flag::Assets, Flag::Edits])?;
+    if format == Format::GeoJson && (args.pixels.is_some() || args.compare) {
+        return Err(Fail::input("--pixels and --compare need a picture: a name that ends in .svg or .png"));
+    }
     let start = Instant::now();
     let file = match &common.settings {
         Some(path) => Some(SettingsFile::read(path)?),
@@ -54,7 +60,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref())?),
         None => None,
     };
-    let mut out = Output::create(&args.output)?;
+    let mut out = Output::create(&args.output, &inputs(common, args))?;
     let read = start.elapsed();
 
     let terrain = Arc::new(terrain);
@@ -70,7 +76,8 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         chunk_size: settings.chunk_size,
         real: real.as_ref(),
     };
-    let style = MapStyle { pixels: args.pixels, legend: true, ..MapStyle::default() };
+    let usual = MapStyle::default();
+    let style = MapStyle { pixels: args.pixels.unwrap_or(usual.pixels), legend: true, ..usual };
     work::pool(common)?.install(|| draw(&plan, format, &style, args.compare, &mut out))?;
     let bytes = out.finish()?;
     let ms = |t: std::time::Duration| (t.as_secs_f64() * 1e4).round() / 10.0;
@@ -86,6 +93,13 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         people += &compared.people();
     }
     work::print(common, &report, &people)
+}
+
+/// The files that are read.
+fn inputs(common: &Common, args: &RoadsArgs) -> Vec<PathBuf> {
+    let given = [&args.water, &args.vegetation, &args.reference].into_iter().flatten();
+    let given = given.chain([&args.terrain, &args.settlements]);
+    common.inputs().into_iter().chain(given.cloned()).collect()
 }
 
 /// Writes the file: real roads under these, or on a map of their own beside that of these.

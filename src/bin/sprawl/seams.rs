@@ -1,14 +1,16 @@
 //! `sprawl seams`: whether streets tell where the borders of chunks are. Counts streets and junctions of many towns near the
 //! borders and away from them.
 
-use crate::args::{Common, SeamsArgs};
+use crate::common::Common;
 use crate::fail::Fail;
+use crate::values::{least_zero, size};
 use crate::work;
 use bevy_sprawl::analysis::ChunkBorderCounts;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, point_at};
 use bevy_sprawl::world::World;
+use clap::Args;
 use glam::DVec2;
 use serde_json::json;
 use std::sync::Arc;
@@ -21,6 +23,19 @@ const STEP: f64 = 12.0;
 const SEARCH: f64 = 32_000.0;
 /// Rings that are searched.
 const RINGS: i32 = 30;
+
+#[derive(Args)]
+pub struct SeamsArgs {
+    /// Square kilometres of towns to count, around the origin
+    #[arg(long, value_name = "N", default_value = "200", value_parser = size)]
+    pub km2: f64,
+    /// Greatest difference between what is near borders and the rest, as a share
+    #[arg(long, value_name = "SHARE", default_value = "0.03", value_parser = least_zero)]
+    pub most_difference: f64,
+    /// Greatest peak of the spectrum at the chunk's edge and its harmonics, over what is around them
+    #[arg(long, value_name = "RATIO", default_value = "3", value_parser = least_zero)]
+    pub most_peak: f64,
+}
 
 /// Runs the command. Differences beyond the limits make it fail with exit code 1.
 pub fn run(common: &Common, args: &SeamsArgs) -> Result<(), Fail> {

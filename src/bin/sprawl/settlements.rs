@@ -1,13 +1,24 @@
 //! `sprawl settlements`: the settlements of a square and the roads between them.
 
-use crate::args::{Common, SettlementsArgs};
+use crate::common::{At, Common};
 use crate::fail::Fail;
+use crate::values::size;
 use crate::work;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::region::Settlement;
+use clap::Args;
 use serde_json::json;
 use std::fmt::Write;
 use std::sync::Arc;
+
+#[derive(Args)]
+pub struct SettlementsArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "20000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+}
 
 /// Runs the command: settlements centred in the square, and connections with an end in it.
 pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {

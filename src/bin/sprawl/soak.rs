@@ -1,10 +1,11 @@
 //! `sprawl soak`: checks a city of each of many worlds, with the settlements that it touches, or towns of every size and
 //! style, against what the design promises.
 
-use crate::args::{Common, SoakArgs};
-use crate::drawn;
+use crate::common::{Common, Flag};
 use crate::fail::Fail;
+use crate::random_edits;
 use crate::towns;
+use crate::values::seed_range;
 use crate::work;
 use bevy_sprawl::analysis::{audit, unreached_gates};
 use bevy_sprawl::edits::SettlementEdit;
@@ -14,10 +15,12 @@ use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, Seed};
 use bevy_sprawl::world::{Area, World, WorldSource};
+use clap::Args;
 use glam::DVec2;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -36,8 +39,29 @@ const APART: f64 = 5_500.0;
 /// Towns that are checked of these; for others there may be no ground.
 const CHECKED: u64 = 12;
 
+#[derive(Args)]
+pub struct SoakArgs {
+    /// Seeds of the worlds, the end excluded
+    #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
+    pub seeds: Option<Range<u64>>,
+    /// Check instead this many towns of every size and style, 12 to a world: seeds from that of `--seed` on
+    #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub towns: Option<u32>,
+    /// Check each world with edits of every kind around its city, drawn from its seed; way points and pinned settlements are
+    /// checked, too
+    #[arg(long, conflicts_with = "edits")]
+    pub edits_random: bool,
+    /// Check instead that the roads of a far window in each world are the same alone and after a larger window around it
+    #[arg(long, conflicts_with_all = ["edits", "edits_random"])]
+    pub windows: bool,
+}
+
 /// Runs the command. Findings make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
+    if args.seeds.is_some() {
+        common.refuse("`sprawl soak --seeds`", &[Flag::Seed])?;
+    }
     let world = work::world(common)?;
     if let Some(towns) = args.towns {
         return check_towns(common, &world, towns);
@@ -53,7 +77,7 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
         if !args.edits_random {
             return check(&world, &city);
         }
-        let Ok(edited) = with(drawn::edits(&world, &city, &Cancel::new())?) else {
+        let Ok(edited) = with(random_edits::edits(&world, &city, &Cancel::new())?) else {
             let findings = vec![("WrongEdits".to_owned(), city.centre.plan())];
             return Ok(City { findings, ..City::default() });
         };
@@ -161,7 +185,7 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
     let styles: Vec<&String> = plain.assets().styles.keys().collect();
     let batches: Vec<u64> = (0..u64::from(towns).div_ceil(CHECKED)).collect();
     let checked = work::each(common, "checking towns", &batches, |i| {
-        let seed = common.seed.wrapping_add(*i);
+        let seed = common.seed().wrapping_add(*i);
         let wanted = CHECKED.min(u64::from(towns) - i * CHECKED) as usize;
         let Some(crowd) = crowd(plain, seed, &styles)? else { return Ok(Vec::new()) };
         let mut out = Vec::new();

@@ -1,7 +1,8 @@
 //! `sprawl stats`: figures of the streets, blocks and buildings of a square.
 
-use crate::args::{Common, StatsArgs};
+use crate::common::{At, Common};
 use crate::fail::Fail;
+use crate::values::size;
 use crate::work;
 use bevy_sprawl::analysis::measure;
 use bevy_sprawl::chunk::Ground;
@@ -11,11 +12,21 @@ use bevy_sprawl::network::{JunctionId, Network, Street, crossings};
 use bevy_sprawl::parcel::BlockUse;
 use bevy_sprawl::space::{Bounds, centroid, line_length, point_at, segments, signed_area};
 use bevy_sprawl::world::{Area, World};
+use clap::Args;
 use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::time::Instant;
+
+#[derive(Args)]
+pub struct StatsArgs {
+    #[command(flatten)]
+    pub at: At,
+    /// Edge of the square in metres
+    #[arg(long, value_name = "M", default_value = "2000", allow_hyphen_values = true, value_parser = size)]
+    pub size: f64,
+}
 
 /// Runs the command.
 pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {

@@ -2,9 +2,10 @@
 
 mod bands;
 
-use crate::args::{Common, TownsArgs};
+use crate::common::{Common, Flag};
 use crate::fail::Fail;
-use crate::map::Output;
+use crate::output::Output;
+use crate::values::{radius, seed_range};
 use crate::work;
 pub use bands::Kind;
 use bands::{FIGURES, Figure};
@@ -18,10 +19,13 @@ use bevy_sprawl::space::{Bounds, Seed, point_at, point_in_polygon, polygon_dista
 use bevy_sprawl::streets::MadeBy;
 use bevy_sprawl::terrain::Terrain;
 use bevy_sprawl::world::{Area, World, WorldSource};
+use clap::Args;
 use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Edge of the square in the middle of a town that is measured, in metres.
@@ -46,8 +50,28 @@ struct Measured {
     unmet_ports: usize,
 }
 
+#[derive(Args)]
+pub struct TownsArgs {
+    /// Seeds of the worlds, one town of each style in each, the end excluded
+    #[arg(long, value_name = "A..B", default_value = "0..20", value_parser = seed_range)]
+    pub seeds: Range<u64>,
+    /// Names of styles [default: every style]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub style: Vec<String>,
+    /// Radius of a town in metres [default: 340 for villages, 900 for others]
+    #[arg(long, value_name = "M", value_parser = radius)]
+    pub radius: Option<f64>,
+    /// Kind of real towns to compare with [default: what the style stands for]
+    #[arg(long, value_name = "KIND")]
+    pub kind: Option<Kind>,
+    /// File to write the tables to, as markdown
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
 /// Runs the command.
 pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
+    common.refuse("`sprawl towns`", &[Flag::Seed])?;
     let world = work::world(common)?;
     let known: Vec<&String> = world.assets().styles.keys().collect();
     let styles: Vec<String> = match args.style.is_empty() {
@@ -57,7 +81,7 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     if let Some(unknown) = styles.iter().find(|s| !world.assets().styles.contains_key(*s)) {
         return Err(Fail::input(format!("--style {unknown}: there is no such style")));
     }
-    let mut file = args.output.as_deref().map(Output::create).transpose()?;
+    let mut file = args.output.as_deref().map(|path| Output::create(path, &common.inputs())).transpose()?;
     let kind = |style: &String| args.kind.unwrap_or_else(|| Kind::of(&world.assets().styles[style]));
     let radius = |style: &String| args.radius.unwrap_or_else(|| kind(style).radius());
     let jobs: Vec<(u64, usize)> =

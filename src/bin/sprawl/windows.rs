@@ -1,7 +1,8 @@
 //! `sprawl soak --windows`: roads of far windows, made alone and after larger windows and their neighbours.
 
-use crate::args::{Common, SoakArgs};
+use crate::common::{Common, Flag};
 use crate::fail::Fail;
+use crate::soak::SoakArgs;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::region::{Road, Settlement};
@@ -47,6 +48,7 @@ struct Compared {
 
 /// Runs the command: one window for each seed. Windows that differ make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
+    common.refuse("`sprawl soak --seeds`", &[Flag::Seed])?;
     let world = work::world(common)?;
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();

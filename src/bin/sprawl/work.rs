@@ -1,6 +1,6 @@
 //! What commands share: making the world, working on many threads with a progress bar, printing.
 
-use crate::args::{At, Common};
+use crate::common::{At, Common};
 use crate::fail::Fail;
 use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::{Cancel, FileError, LayerError};
@@ -43,7 +43,7 @@ pub fn world(common: &Common) -> Result<World, Fail> {
         Some((file, text)) => Edits::from_ron(file, text)?,
         None => Edits::default(),
     };
-    let world = World::new(WorldSource { settings, assets, edits: wishes, ..WorldSource::new(Seed(common.seed)) })
+    let world = World::new(WorldSource { settings, assets, edits: wishes, ..WorldSource::new(Seed(common.seed())) })
         .map_err(|e| match named {
             Some(path) => Fail::file(path, e),
             None => e.into(),

@@ -1,7 +1,7 @@
 //! The ground that `sprawl roads` reads: heights, and where there are any, water and vegetation.
 
-use crate::args::RoadsArgs;
-use crate::fail::Fail;
+use super::args::RoadsArgs;
+use crate::fail::{Fail, refuse_unused};
 use bevy_sprawl::layer::RangeError;
 use bevy_sprawl::space::{Bounds, Geographic};
 use bevy_sprawl::terrain::{Band, Holes, PngPlace, Raster, RasterTerrain};
@@ -19,6 +19,7 @@ pub struct Land {
 
 /// Reads all rasters.
 pub fn read(args: &RoadsArgs) -> Result<Land, Fail> {
+    check_flags(args)?;
     let heights = heights(args)?;
     // In metres or degrees.
     let bounds = heights.bounds();
@@ -36,7 +37,8 @@ pub fn read(args: &RoadsArgs) -> Result<Land, Fail> {
     }
     if let Some(path) = &args.water {
         let wrong = |e: RangeError| Fail::file(path, e);
-        let raster = placed(raster(path, Band::Depth, Holes::Refuse, || whole(path, bounds, args.water_white))?);
+        let raster =
+            placed(raster(path, Band::Depth, Holes::Refuse, || whole(path, bounds, args.water_white.unwrap_or(1.0)))?);
         terrain = terrain.with_water_depth(raster).map_err(wrong)?;
     }
     if let Some(path) = &args.vegetation {
@@ -47,13 +49,33 @@ pub fn read(args: &RoadsArgs) -> Result<Land, Fail> {
     Ok(Land { terrain, cell, geographic })
 }
 
+/// Fails if a flag is given that a raster's format has no use for.
+fn check_flags(args: &RoadsArgs) -> Result<(), Fail> {
+    let is_picture = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let picture = is_picture(&args.terrain);
+    let water = args.water.as_deref().is_some_and(is_picture);
+    refuse_unused([
+        ("--corner", "a picture of heights", args.corner.is_some() && !picture),
+        ("--cell", "a picture of heights", args.cell.is_some() && !picture),
+        ("--black", "a picture of heights", args.black.is_some() && !picture),
+        ("--white", "a picture of heights", args.white.is_some() && !picture),
+        ("--fill", "an ASCII grid of heights", args.fill.is_some() && picture),
+        ("--water-white", "a picture of water", args.water_white.is_some() && !water),
+    ])
+}
+
 fn heights(args: &RoadsArgs) -> Result<Raster, Fail> {
     raster(&args.terrain, Band::Height, args.fill.map_or(Holes::Refuse, Holes::Value), || {
         let (Some(cell), Some(white)) = (args.cell, args.white) else {
             let needed = "a picture needs --cell and --white: the edge of a pixel, and the height of white";
             return Err(Fail::file(&args.terrain, needed));
         };
-        Ok(PngPlace { corner: args.corner, step: DVec2::splat(cell), black: args.black, white })
+        Ok(PngPlace {
+            corner: args.corner.unwrap_or_default(),
+            step: DVec2::splat(cell),
+            black: args.black.unwrap_or(0.0),
+            white,
+        })
     })
 }
 
