@@ -320,8 +320,7 @@ fn every_format_is_written_and_the_map_passes_a_strangers_check() {
         let path = file(name, "");
         let path = path.to_string_lossy();
         let size = if name == "town.glb" { "600" } else { "1500" };
-        let pixels: &[&str] =
-            if name.ends_with("svg") || name.ends_with("png") { &["--pixels", "500"] } else { &[] };
+        let pixels: &[&str] = if name.ends_with("svg") || name.ends_with("png") { &["--pixels", "500"] } else { &[] };
         let report = json(&[&["map", "--seed", "5", "--at", at, "--size", size, "-o", &path], pixels].concat());
         let bytes = std::fs::read(&*path).expect("a file");
         assert!(bytes.starts_with(magic), "{name}");

@@ -10,12 +10,12 @@ use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::network::{JunctionId, Network, Street, crossings};
 use bevy_sprawl::parcel::BlockUse;
-use bevy_sprawl::space::{Bounds, centroid, line_length, point_at, segments, signed_area};
+use bevy_sprawl::space::{Bounds, DisjointSets, centroid, line_length, point_at, segments, signed_area};
 use bevy_sprawl::world::{Area, World};
 use clap::Args;
 use glam::DVec2;
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -144,30 +144,19 @@ pub fn length_inside(bounds: Bounds, a: DVec2, b: DVec2) -> f64 {
 
 /// Connected components of a network: with all streets that leave the square taken as joined outside it, and without.
 fn components(network: &Network, square: Bounds) -> (usize, usize) {
-    let index: BTreeMap<JunctionId, usize> = network.junctions.iter().enumerate().map(|(i, j)| (j.id, i)).collect();
-    let mut parent: Vec<usize> = (0..network.junctions.len()).collect();
-    let mut outside = BTreeSet::new();
-    let mut touched = BTreeSet::new();
-    for street in &network.streets {
-        let (Some(&a), Some(&b)) = (index.get(&street.from), index.get(&street.to)) else { continue };
-        touched.extend([a, b]);
-        let (ra, rb) = (root(&mut parent, a), root(&mut parent, b));
-        parent[ra] = rb;
+    let known: BTreeSet<JunctionId> = network.junctions.iter().map(|j| j.id).collect();
+    let mut sets = DisjointSets::new();
+    let (mut touched, mut leaving) = (BTreeSet::new(), BTreeSet::new());
+    for street in network.streets.iter().filter(|s| known.contains(&s.from) && known.contains(&s.to)) {
+        touched.extend([street.from, street.to]);
+        sets.union(street.from, street.to);
         if !square.encloses(street.bounds()) {
-            outside.insert(a);
+            leaving.insert(street.from);
         }
     }
-    let outside: BTreeSet<usize> = outside.into_iter().map(|i| root(&mut parent, i)).collect();
-    let all: BTreeSet<usize> = touched.into_iter().map(|i| root(&mut parent, i)).collect();
-    (all.len() - outside.len().saturating_sub(1), all.len())
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+    let mut count = |of: BTreeSet<JunctionId>| of.into_iter().map(|id| sets.find(id)).collect::<BTreeSet<_>>().len();
+    let (all, outside) = (count(touched), count(leaving));
+    (all - outside.saturating_sub(1), all)
 }
 
 /// Milliseconds that each layer takes for the square, on one thread, from a world in which nothing is made yet. Seams
@@ -284,6 +273,7 @@ mod tests {
     use bevy_sprawl::space::{ChunkCoord, Origin};
     use bevy_sprawl::stack::PlacedStreet;
     use bevy_sprawl::world::Owned;
+    use std::collections::BTreeMap;
 
     fn area(lines: &[[(f64, f64); 2]]) -> Area {
         let id = |p: DVec2| JunctionId::of(&[p.x.to_bits(), p.y.to_bits()]);
