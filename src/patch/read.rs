@@ -115,12 +115,13 @@ mod tests {
         bad("vertices: [(0, 0), (NaN, 5)], streets: [(0, 1)]", &["NaN", "-2000 to 2000"]);
         bad("vertices: [(0, 0), (inf, 5)], streets: [(0, 1)]", &["inf", "-2000 to 2000"]);
         bad("vertices: [(0, 0), (3, 2000.5)], streets: [(0, 1)]", &["2000.5", "-2000 to 2000"]);
-        bad("streets: [(0, 1), (1, 1)]", &["from vertex 1 to itself"]);
-        bad("streets: [(0, -1)]", &["-1 names no vertex", "from 0"]);
-        bad("streets: [[4]]", &["two or more", "(0, 1)"]);
-        bad("weight: -0.5", &["-0.5", "0 to 1000000"]);
-        bad("weight: NaN", &["NaN", "0 to 1000000"]);
-        bad("tags: [\"Up Town\"]", &["Up Town", "lower-case"]);
+        let two = |fields: &str, parts: &[&str]| bad(&format!("vertices: [(0, 0), (50, 0)], {fields}"), parts);
+        two("streets: [(0, 1), (1, 1)]", &["from vertex 1 to itself"]);
+        two("streets: [(0, -1)]", &["-1 names no vertex", "from 0"]);
+        two("streets: [[4]]", &["two or more", "(0, 1)"]);
+        two("weight: -0.5", &["-0.5", "0 to 1000000"]);
+        two("weight: NaN", &["NaN", "0 to 1000000"]);
+        two("tags: [\"Up Town\"]", &["Up Town", "lower-case"]);
         let nameless = error("(patches: [(\nname: \" \", vertices: [(0, 0), (9, 0)], streets: [(0, 1)])])");
         assert_says(&nameless, 2, &["name is empty"]);
     }
