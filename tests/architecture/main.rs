@@ -40,12 +40,12 @@ const LAYERS: [&[&str]; 20] = [
 /// An import of one file by another, with the line and the name.
 type Arrows = BTreeMap<(PathBuf, PathBuf), Vec<(usize, String)>>;
 
-pub fn source() -> PathBuf {
+fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
 /// All imports of files under `src`, named from there.
-pub fn arrows() -> Arrows {
+fn arrows() -> Arrows {
     let source = source();
     let library = Modules::read(&source.join("lib.rs"));
     let program = Modules::read(&source.join("bin/sprawl/main.rs"));
@@ -85,7 +85,7 @@ fn is_below(modules: &Modules, module: usize, above: usize) -> bool {
 }
 
 /// The layer of a file, by its folder.
-pub fn layer(file: &Path) -> String {
+fn layer(file: &Path) -> String {
     let first = file.iter().next().map(|f| f.to_string_lossy().into_owned()).unwrap_or_default();
     first.trim_end_matches(".rs").to_owned()
 }
