@@ -7,9 +7,7 @@
 //! A wrong file is refused as a whole, at its line and column. An edit that the file has right and the world cannot
 //! fulfil, such as a settlement in a lake, is rejected alone: see [`RejectedEdit`].
 
-mod text;
-
-use crate::layer::{FileError, RangeError, from_ron};
+use crate::layer::{FileError, RangeError, error_at, from_ron};
 use crate::network::{JunctionId, SizeClass, Street, StreetClass, StreetId, crossings};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -252,8 +250,7 @@ pub struct RejectedEdit {
 impl RejectedEdit {
     /// The same as an error at the place where the edit is written in `text`, which was read as [`Edits`].
     pub fn in_file(&self, file: &str, text: &str) -> FileError {
-        let byte = text::element(text, self.list.name(), self.index).unwrap_or(0);
-        FileError::at(file, text.as_bytes(), byte, self)
+        error_at(file, text, &format!("{}[{}]", self.list.name(), self.index), self)
     }
 }
 

@@ -61,14 +61,11 @@ Edits( // roads: [a]
     roads : [ Keep(from: (0, 0), to: (1, 1)),
         Ban(from: (0, 0), to: (1, 1)), ],
 )"##;
-    let edits: Edits = Edits::from_ron("e.ron", text).unwrap();
-    let of = |list: EditList, count: usize| {
-        (0..count)
-            .map(|i| text::element(text, list.name(), i))
-            .map(move |b| b.map(|b| &text[b..b + 3]))
-            .collect::<Vec<_>>()
+    assert_eq!(Edits::from_ron("e.ron", text).map(|e| e.roads.len()), Ok(2));
+    let place = |list: EditList, index: usize| {
+        let error = RejectedEdit { list, index, reason: String::new() }.in_file("e.ron", text);
+        (error.line, error.column)
     };
-    assert_eq!(of(EditList::Settlements, 3), [Some("Pin"), Some("Ban"), None]);
-    assert_eq!(of(EditList::Roads, edits.roads.len() + 1), [Some("Kee"), Some("Ban"), None]);
-    assert_eq!(of(EditList::Influences, 1), [None]);
+    assert_eq!([0, 1].map(|i| place(EditList::Settlements, i)), [(5, 9), (6, 17)]);
+    assert_eq!([0, 1].map(|i| place(EditList::Roads, i)), [(8, 15), (9, 9)]);
 }

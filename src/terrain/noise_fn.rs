@@ -48,13 +48,12 @@ impl NoiseFnSettings {
 /// ```
 /// use bevy_sprawl::space::Seed;
 /// use bevy_sprawl::terrain::{NoiseFnSettings, NoiseFnTerrain};
-/// use bevy_sprawl::world::{Settings, World, WorldAssets};
+/// use bevy_sprawl::world::{TerrainSource, World, WorldSource};
 /// use noise::{Fbm, MultiFractal, Perlin};
-/// use std::sync::Arc;
 ///
 /// let hills = Fbm::<Perlin>::new(7).set_octaves(4);
 /// let ground = NoiseFnTerrain::new(hills, NoiseFnSettings { height_scale: 120.0, ..Default::default() })?;
-/// let world = World::on_terrain(Seed(7), Settings::default(), WorldAssets::bundled(), Arc::new(ground))?;
+/// let world = World::new(WorldSource { terrain: TerrainSource::own(ground), ..WorldSource::new(Seed(7)) })?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
