@@ -1,8 +1,7 @@
 //! GeoJSON in plan metres: streets, roads, junctions, blocks, lots, buildings and settlements.
 
 use crate::export::{ExportError, Plan, hex};
-use crate::network::SizeClass;
-use crate::network::{JunctionId, StreetClass};
+use crate::network::{JunctionId, SizeClass, StreetClass};
 use crate::parcel::BlockUse;
 use crate::space::ChunkCoord;
 use glam::DVec2;

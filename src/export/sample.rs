@@ -1,8 +1,7 @@
 //! A small made-up town on made-up ground, for the tests of the exporters.
 
 use crate::export::Plan;
-use crate::network::SizeClass;
-use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::network::{Junction, JunctionId, SizeClass, Street, StreetClass, StreetId};
 use crate::parcel::{Block, BlockUse, Footprint, Lot};
 use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};

@@ -1,9 +1,8 @@
 //! What stands on a map besides the map: symbols, names, scale bar, legend and frame.
 
-use super::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, paths, round, trace};
+use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, round, trace};
 use crate::export::{Plan, glyphs};
-use crate::network::SizeClass;
-use crate::network::{JunctionId, Street, StreetClass};
+use crate::network::{JunctionId, SizeClass, Street, StreetClass};
 use crate::region::Settlement;
 use crate::space::{Bounds, closest_on_segment, segments};
 use glam::DVec2;
@@ -369,13 +368,4 @@ fn lettering(text: &str, lines: &[Vec<DVec2>], corner: DVec2, height: f64) -> Gr
             group.add(path.set("stroke-width", height * width))
         },
     )
-}
-
-/// The largest of 1, 2, 5, 10, 20, ... that is at most `x` (`x` at least 1).
-pub(super) fn nice(x: f64) -> f64 {
-    let mut unit = 1.0;
-    while unit * 10.0 <= x {
-        unit *= 10.0;
-    }
-    [5.0, 2.0].into_iter().find(|m| unit * m <= x).map_or(unit, |m| unit * m)
 }
