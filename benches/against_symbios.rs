@@ -5,6 +5,8 @@
 //! symbios-tensor's spacing is chosen so that it makes about as many kilometres of street as we do; both lengths are
 //! printed, since the ratio means little without them.
 
+mod symbios;
+
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
@@ -12,13 +14,11 @@ use bevy_sprawl::world::{World, WorldSource};
 use glam::DVec2;
 use std::time::Instant;
 use symbios_ground::HeightMap;
-use symbios_tensor::{CityStreamer, CityStreamerConfig, LotConfig, RationalizeConfig, TensorConfig};
 
 const TILE: f64 = 512.0;
 const ROUNDS: usize = 3;
-/// Spacing of symbios-tensor's roads, in metres.
-const MAJOR: f32 = 180.0;
-const MINOR: f32 = 90.0;
+/// Spacing of symbios-tensor's major and minor roads, in metres.
+const SPACING: (f32, f32) = (180.0, 90.0);
 
 fn main() {
     let never = Cancel::new();
@@ -41,39 +41,19 @@ fn main() {
             our_km += chunk.streets.iter().map(|s| s.street.length()).sum::<f64>() / 1000.0;
             our_lots += chunk.footprints.len();
 
-            let config = CityStreamerConfig {
-                tile_size: TILE as f32,
-                base_seed: round as u64,
-                tensor: TensorConfig {
-                    major_road_dist: MAJOR,
-                    minor_road_dist: MINOR,
-                    snap_radius: 4.0,
-                    ..Default::default()
-                },
-                rationalize: RationalizeConfig::default(),
-                lots: LotConfig { max_lot_area: 600.0, ..Default::default() },
-            };
-            let start = Instant::now();
-            let ground = (TILE / 8.0) as usize;
-            let mut streamer = CityStreamer::new(config, |tx, ty| {
-                let mut map = HeightMap::new(ground, ground, 8.0);
-                for (px, py) in (0..ground).flat_map(|py| (0..ground).map(move |px| (px, py))) {
-                    let local = DVec2::new(px as f64, py as f64) * 8.0;
+            let cells = (TILE / f64::from(symbios::CELL)) as usize;
+            let ground = |tx: i32, ty: i32, map: &mut HeightMap| {
+                for (px, py) in (0..cells).flat_map(|py| (0..cells).map(move |px| (px, py))) {
+                    let local = DVec2::new(px as f64, py as f64) * f64::from(symbios::CELL);
                     let p = DVec2::new(f64::from(middle.x + tx), f64::from(middle.y + ty)) * TILE + local;
                     map.set(px, py, world.terrain().height(p) as f32);
                 }
-                map
-            });
-            match streamer.ensure_tile(x, y) {
-                Ok(tile) => {
-                    let node = |id| tile.graph.node_pos(id);
-                    let live = tile.graph.edges.iter().filter(|e| e.active);
-                    their_km += live.map(|e| f64::from(node(e.start).distance(node(e.end)))).sum::<f64>() / 1000.0;
-                    their_lots += tile.lots.len();
-                }
-                Err(error) => println!("symbios-tensor: {error}"),
+            };
+            if let Some(tile) = symbios::tile(round as u64, TILE, SPACING, (x, y), ground) {
+                theirs.push(tile.ms);
+                their_km += tile.km;
+                their_lots += tile.lots;
             }
-            theirs.push(start.elapsed().as_secs_f64() * 1000.0);
         }
     }
     let (our_mean, their_mean) = (mean(&ours), mean(&theirs));

@@ -2,6 +2,8 @@
 //! parameters, every bundled patch; with all tags and with curved, straight, loop and cul-de-sac patches left out; then by
 //! area, by number of patches, and beside symbios-tensor. One thread; the best time of several rounds.
 
+mod symbios;
+
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::network::{JunctionId, StreetClass};
 use bevy_sprawl::patch::{Patch, PatchDatabase, PatchSet, tag};
@@ -14,8 +16,6 @@ use glam::DVec2;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
-use symbios_ground::HeightMap;
-use symbios_tensor::{CityStreamer, CityStreamerConfig, LotConfig, RationalizeConfig, TensorConfig};
 
 /// Edge of a main cell, in metres.
 const EDGE: f64 = 500.0;
@@ -200,37 +200,12 @@ fn main() {
 /// about as many kilometres. From 16 km2 on a tile takes minutes.
 fn beside_symbios(all: &[Arc<Patch>]) {
     let (style, patches) = (style(), PatchDatabase::of(all.to_vec()));
-    println!("\nkm2   ours ms    km  symbios-tensor ms    km");
+    println!("\nkm2   ours ms    km  symbios-tensor ms    km  lots");
     for n in [2, 4] {
         let edge = n as f64 * EDGE;
         let (ours, out) = timed(&cells(n), &style, &patches, 3);
-        let config = CityStreamerConfig {
-            tile_size: edge as f32,
-            base_seed: SEED.0,
-            tensor: TensorConfig {
-                major_road_dist: 180.0,
-                minor_road_dist: 60.0,
-                snap_radius: 4.0,
-                ..Default::default()
-            },
-            rationalize: RationalizeConfig::default(),
-            lots: LotConfig { max_lot_area: 600.0, ..Default::default() },
-        };
-        let start = Instant::now();
-        let ground = (edge / 8.0) as usize;
-        let mut streamer = CityStreamer::new(config, |_, _| HeightMap::new(ground, ground, 8.0));
-        let km = match streamer.ensure_tile(0, 0) {
-            Ok(tile) => {
-                let at = |id| tile.graph.node_pos(id);
-                let live = tile.graph.edges.iter().filter(|e| e.active);
-                live.map(|e| f64::from(at(e.start).distance(at(e.end)))).sum::<f64>() / 1000.0
-            }
-            Err(error) => {
-                println!("symbios-tensor: {error}");
-                continue;
-            }
-        };
-        let theirs = start.elapsed().as_secs_f64() * 1000.0;
-        println!("{:>3} {ours:>9.1} {:>5.1} {theirs:>18.0} {km:>5.1}", edge * edge / 1e6, figures(&out).km);
+        let Some(tile) = symbios::tile(SEED.0, edge, (180.0, 60.0), (0, 0), |_, _, _| {}) else { continue };
+        let (theirs, km, lots) = (tile.ms, tile.km, tile.lots);
+        println!("{:>3} {ours:>9.1} {:>5.1} {theirs:>18.0} {km:>5.1} {lots:>5}", edge * edge / 1e6, figures(&out).km);
     }
 }
