@@ -8,15 +8,39 @@ use std::path::Path;
 const WIDTH: usize = 980;
 const ROW: usize = 44;
 
-/// The first sentence of a layer's documentation, without what is said in brackets.
+/// What a sentence may be long, in characters; a longer one is cut at its colon.
+const LONGEST: usize = 110;
+
+/// The first sentence of a layer's documentation, without its number and what stands in brackets.
 fn makes(name: &str) -> String {
     let files = [source().join(name).join("mod.rs"), source().join(format!("{name}.rs"))];
     let text = files.iter().find_map(|f| std::fs::read_to_string(f).ok()).unwrap_or_default();
     let lines = text.lines().map_while(|l| l.strip_prefix("//!")).map(str::trim).take_while(|l| !l.is_empty());
     let all = lines.collect::<Vec<_>>().join(" ");
     let sentence = all.split(". ").next().unwrap_or_default().trim_end_matches('.');
-    let sentence = sentence.strip_prefix("Layer ").and_then(|s| s.split_once(": ")).map_or(sentence, |(_, rest)| rest);
-    sentence.replace(['`', '[', ']'], "").replace('&', "&amp;").replace('<', "&lt;")
+    let sentence = match sentence.split_once(": ") {
+        Some((number, rest)) if number.starts_with("Layer") => rest,
+        _ => sentence,
+    };
+    let mut plain = String::new();
+    let mut depth = 0usize;
+    for c in sentence.chars() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            '`' | '[' | ']' => {}
+            c if depth == 0 => plain.push(c),
+            _ => {}
+        }
+    }
+    let plain = plain.replace(" ,", ",").replace("  ", " ");
+    let short = match plain.split_once(": ") {
+        Some((start, _)) if plain.len() > LONGEST => start,
+        _ => plain.trim(),
+    };
+    let mut letters = short.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    (first + letters.as_str()).replace('&', "&amp;").replace('<', "&lt;")
 }
 
 /// Draws the layers, the highest at the top.
