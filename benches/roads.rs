@@ -160,9 +160,40 @@ fn roads(c: &mut Criterion) {
     }
 }
 
+/// Heights with straits too wide for any bridge, which divide the land into `count` x `count` islands.
+fn islands(cells: usize, edge: f64, count: usize) -> RasterTerrain {
+    let step = edge / cells as f64;
+    let width = (5_000.0 / step).ceil() as usize;
+    let is_strait = |i: usize| i % (cells / count) < width;
+    let land = ground(cells, edge);
+    let height = |n: usize| {
+        let (x, y) = (n % cells, n / cells);
+        let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * step;
+        if is_strait(x) || is_strait(y) { -300.0 } else { land.height(at).max(2.0) as f32 }
+    };
+    let heights = (0..cells * cells).map(height).collect();
+    let raster = Raster::new(cells, cells, DVec2::ZERO, DVec2::splat(step), heights).expect("the raster is valid");
+    RasterTerrain::new(raster).and_then(|t| t.with_sea_level(0.0)).expect("heights are in range")
+}
+
+/// The same number of settlements on one landmass and on nine islands: pairs that no land joins must not take longer.
+fn landmasses(_: &mut Criterion) {
+    let (cells, counts) = (256, [5, 45, 97]);
+    println!("\nlandmasses: time for {counts:?} settlements on {cells} x {cells} cells");
+    let time = |name: &str, ground: RasterTerrain| {
+        let ground = Arc::new(ground);
+        let all = settlements(counts, &ground);
+        let (seconds, network) = best(|| build(&ground, &all, cells, None));
+        println!("{name:14} {:>7} roads {seconds:>10.3} s", network.links.len());
+        seconds
+    };
+    let (one, nine) = (time("one", ground(cells, EDGE)), time("nine islands", islands(cells, EDGE, 3)));
+    assert!(nine < 3.0 * one, "islands take {nine} s, one landmass {one} s");
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(5));
-    targets = densities, roads
+    targets = densities, roads, landmasses
 }
 criterion_main!(benches);

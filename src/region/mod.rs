@@ -1,23 +1,20 @@
 //! Layers 2 and 3: settlements with their outlines, and the roads between them.
 //!
-//! Settlements read terrain and higher tiers; roads read terrain, settlements, outlines and higher tiers. Roads stop at
-//! the outlines of settlements, in gates, so outlines are made here. Settlements that stand close enough touch: they share a
-//! border, from which both outlines take their vertices. A border reads the settlements near its two, so an outline reads
-//! those near its neighbours. Both follow the user's edits.
+//! Makes settlements and outlines (layer 2) and roads (layer 3). Settlements read the terrain and higher tiers; roads read
+//! the terrain, settlements, outlines and roads of higher tiers. Roads end at gates in the outlines of settlements, so
+//! outlines are made here. Each part declares its padding: see [`settlement`], [`outline`] and [`road`].
 
-mod border;
+mod gate;
 pub mod outline;
-mod profile;
-mod river;
 pub mod road;
 pub mod settlement;
-mod waterway;
+mod settlements;
 
-pub use border::Border;
-pub use outline::{Outline, SharedBorder};
+pub use gate::Gate;
+pub use outline::{Border, Outline, SharedBorder, Waterway};
 pub(crate) use road::{CLEARANCE, rise};
-pub use road::{Crossing, Gate, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
+pub use road::{Crossing, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
 pub use settlement::{
-    PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable, Settlements,
+    PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable,
 };
-pub use waterway::Waterway;
+pub use settlements::Settlements;

@@ -1,18 +1,18 @@
 //! Smooth random fields over the endless plan: gradient noise that never repeats, and sums of its octaves.
 //!
-//! Written here and not taken from the `noise` crate, whose tables repeat every 256 cells, which gives no derivatives,
-//! and whose 2-D gradient noise takes several times as long.
+//! The `noise` crate is no replacement: its tables repeat every 256 cells, it gives no derivatives, and its 2-D gradient noise
+//! takes several times as long.
 
 use crate::space::{Seed, math};
 use glam::DVec2;
 
-/// Makes the root mean square of an octave 0.3.
+/// Scales an octave so that its root mean square is 0.3.
 const SCALE: f64 = 1.73;
 
-/// Multipliers of a lattice coordinate's bits. All 64 of them count, so no lattice ever repeats.
+/// Multipliers for the bits of a lattice coordinate. All 64 bits count, so no lattice ever repeats.
 const MIX: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xC2B2_AE3D_27D4_EB4F];
 
-/// The gradient at a corner of a lattice from its mixed coordinates, each component uniform in -1..1.
+/// The gradient at a lattice corner with these mixed coordinates. Each component is uniform in -1..1.
 #[inline(always)]
 fn corner(x: u64, y: u64) -> DVec2 {
     let h = x ^ y;
@@ -22,20 +22,20 @@ fn corner(x: u64, y: u64) -> DVec2 {
     DVec2::new(component(h >> 32), component(h >> 8))
 }
 
-/// Adding it to a number below 2^51 and taking it off again rounds to a whole number.
+/// Adding this to a number below 2^51 and subtracting it again rounds to a whole number.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// `x` rounded to the nearest whole number. `f64::round` is a call into the math library on processors without an instruction
-/// for it, and so is `f64::floor`.
+/// `x` rounded to the nearest whole number. On processors without an instruction for it, `f64::round` calls the math library, and
+/// so does `f64::floor`.
 #[inline(always)]
-pub(super) fn nearest(x: f64) -> f64 {
+pub(super) fn round(x: f64) -> f64 {
     (x + WHOLE) - WHOLE
 }
 
 /// `x` rounded down.
 #[inline(always)]
 pub(super) fn floor(x: f64) -> f64 {
-    let near = nearest(x);
+    let near = round(x);
     near - if near > x { 1.0 } else { 0.0 }
 }
 
@@ -45,17 +45,17 @@ fn integer(x: f64) -> u64 {
     (x + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits())
 }
 
-/// Gradients at the corners of cells, one of each octave: east and north component at the south-west, south-east,
-/// north-west and north-east corner.
+/// Gradients at the corners of one cell per octave: the east and north component at the south-west, south-east, north-west and
+/// north-east corner.
 type Gradients<const N: usize> = [[f64; N]; 8];
 
-/// Where octaves take the gradients at the corners of their cells from.
+/// A source of the gradients at the corners of cells.
 pub(super) trait Corners {
-    /// Gradients around the cells (x, y) of some octaves.
+    /// Gradients at the corners of one cell (x, y) per octave.
     fn of<const N: usize>(&mut self, octaves: &Octaves<N>, cells: &[[f64; N]; 2]) -> &Gradients<N>;
 }
 
-/// Puts the gradients around the cell (x, y) of octave `i` into its column.
+/// Writes the gradients at the corners of the cell (x, y) of octave `i` to its column.
 #[inline(always)]
 fn put_gradients<const N: usize>(of: &mut Gradients<N>, octaves: &Octaves<N>, [x, y]: [f64; 2], i: usize) {
     let (x, y) = (integer(x).wrapping_mul(MIX[0]), integer(y).wrapping_mul(MIX[1]));
@@ -66,40 +66,40 @@ fn put_gradients<const N: usize>(of: &mut Gradients<N>, octaves: &Octaves<N>, [x
     }
 }
 
-/// Most octaves that are evaluated together.
+/// Greatest number of octaves that are evaluated together.
 const MOST_TOGETHER: usize = 6;
 
-/// Computes them.
-pub(super) struct Fresh([f64; 8 * MOST_TOGETHER]);
+/// Computes gradients anew for every point.
+pub(super) struct FreshCorners([f64; 8 * MOST_TOGETHER]);
 
-impl Fresh {
+impl FreshCorners {
     pub fn new() -> Self {
         Self([0.0; 8 * MOST_TOGETHER])
     }
 }
 
-/// Remembers those of the cell that each octave was asked in last: points near each other mostly lie in the same cells.
-pub(super) struct Remembered {
+/// Caches the gradients of the last cell of each octave: points near each other mostly lie in the same cells.
+pub(super) struct CachedCorners {
     cells: Vec<f64>,
     gradients: Vec<f64>,
 }
 
-impl Remembered {
-    /// Room for so many octaves: [`Places::taken`].
+impl CachedCorners {
+    /// A cache for so many octaves: see [`Slots::taken`].
     pub fn new(octaves: usize) -> Self {
-        // Equal to no cell.
+        // NaN is equal to no cell.
         Self { cells: vec![f64::NAN; 2 * octaves], gradients: vec![0.0; 8 * octaves] }
     }
 }
 
-/// `N` numbers for each of `M` things, as rows.
+/// The first `M` rows of `N` numbers.
 #[inline(always)]
 fn rows<const M: usize, const N: usize>(numbers: &mut [f64]) -> &mut [[f64; N]; M] {
     let rows = numbers.as_chunks_mut::<N>().0.first_chunk_mut::<M>();
     rows.expect("there is room for all octaves")
 }
 
-impl Corners for Fresh {
+impl Corners for FreshCorners {
     #[inline(always)]
     fn of<const N: usize>(&mut self, octaves: &Octaves<N>, [x, y]: &[[f64; N]; 2]) -> &Gradients<N> {
         let out = rows::<8, N>(&mut self.0);
@@ -110,12 +110,12 @@ impl Corners for Fresh {
     }
 }
 
-impl Corners for Remembered {
+impl Corners for CachedCorners {
     #[inline(always)]
     fn of<const N: usize>(&mut self, octaves: &Octaves<N>, [x, y]: &[[f64; N]; 2]) -> &Gradients<N> {
-        let [held_x, held_y] = rows::<2, N>(&mut self.cells[2 * octaves.place..]);
-        let held = rows::<8, N>(&mut self.gradients[8 * octaves.place..]);
-        // Mostly no octave is in another cell than before: all are compared at once, without a branch.
+        let [held_x, held_y] = rows::<2, N>(&mut self.cells[2 * octaves.slot..]);
+        let held = rows::<8, N>(&mut self.gradients[8 * octaves.slot..]);
+        // Usually every octave is in the same cell as before: all are compared at once, without branches.
         let mut moved = false;
         for i in 0..N {
             moved |= (x[i] != held_x[i]) | (y[i] != held_y[i]);
@@ -132,27 +132,27 @@ impl Corners for Remembered {
     }
 }
 
-/// Places for octaves in [`Remembered`], given out one after the other.
+/// Slots for octaves in [`CachedCorners`], given out in order.
 #[derive(Default)]
-pub(super) struct Places(usize);
+pub(super) struct Slots(usize);
 
-impl Places {
+impl Slots {
     fn take(&mut self, count: usize) -> usize {
         self.0 += count;
         self.0 - count
     }
 
-    /// Number of octaves that have a place.
+    /// Number of slots that were given out.
     pub fn taken(&self) -> usize {
         self.0
     }
 }
 
-/// Octaves of gradient noise, evaluated side by side so that the compiler uses vectors. Each is mostly within -0.7..0.7 and
-/// never beyond -2.5..2.5, 0 on average, on a lattice of its own heading and place.
+/// Octaves of gradient noise, evaluated side by side so that the compiler uses vector instructions. The values of each octave are
+/// mostly within -0.7..0.7, always within -2.5..2.5, and 0 on average. Each octave has a lattice of its own heading and offset.
 #[derive(Clone, Debug)]
 pub(super) struct Octaves<const N: usize> {
-    place: usize,
+    slot: usize,
     seeds: [u64; N],
     /// Lattice coordinates of a plan point: `east.x * p.x - east.y * p.y + offset.x` and `east.y * p.x + east.x * p.y + offset.y`.
     east: [[f64; N]; 2],
@@ -160,11 +160,11 @@ pub(super) struct Octaves<const N: usize> {
 }
 
 impl<const N: usize> Octaves<N> {
-    /// Octaves of a world by number, each with its wavelength: the edge of its lattice cells in metres.
-    pub fn new(seed: Seed, octaves: [(u64, f64); N], places: &mut Places) -> Self {
+    /// Octaves of a world, each with its key and its wavelength: the edge length of its lattice cells in metres.
+    pub fn new(seed: Seed, octaves: [(u64, f64); N], slots: &mut Slots) -> Self {
         const { assert!(N <= MOST_TOGETHER) };
-        let place = places.take(N);
-        let mut out = Self { place, seeds: [0; N], east: [[0.0; N]; 2], offset: [[0.0; N]; 2] };
+        let slot = slots.take(N);
+        let mut out = Self { slot, seeds: [0; N], east: [[0.0; N]; 2], offset: [[0.0; N]; 2] };
         for (i, (key, wavelength)) in octaves.into_iter().enumerate() {
             let mut stream = seed.stream("terrain", &[key]);
             let heading = math::direction(stream.range(0.0, std::f64::consts::TAU)) / wavelength;
@@ -187,7 +187,7 @@ impl<const N: usize> Octaves<N> {
         self.evaluate(p, corners)
     }
 
-    // Inlined into both callers: the one that wants no gradients then does not compute them.
+    // Inlined into both callers, so that the caller that needs no gradients does not compute them.
     #[inline(always)]
     fn evaluate(&self, p: DVec2, corners: &mut impl Corners) -> ([f64; N], [[f64; N]; 2]) {
         let [east_x, east_y] = &self.east;
@@ -220,12 +220,12 @@ impl<const N: usize> Octaves<N> {
     }
 }
 
-/// Two numbers, each uniform in -1..1, for a lattice point.
-pub(super) fn draw(seed: u64, point: [i64; 2]) -> DVec2 {
+/// Two random numbers for a lattice point, each uniform in -1..1.
+pub(super) fn lattice_random(seed: u64, point: [i64; 2]) -> DVec2 {
     corner((point[0] as u64).wrapping_mul(MIX[0]), (point[1] as u64).wrapping_mul(MIX[1]) ^ seed)
 }
 
-/// Octaves with weights.
+/// A weighted sum of octaves.
 #[derive(Clone, Debug)]
 pub(super) struct Fractal<const N: usize> {
     octaves: Octaves<N>,
@@ -234,9 +234,9 @@ pub(super) struct Fractal<const N: usize> {
 }
 
 impl<const N: usize> Fractal<N> {
-    /// Octaves from `wavelength` metres down, each `gain` times as strong as the one before; root mean square 0.3. Wavelengths
-    /// shrink by an irrational factor, so that no two lattices of a fractal ever fall together again.
-    pub fn new(seed: Seed, key: u64, wavelength: f64, gain: f64, places: &mut Places) -> Self {
+    /// Octaves with wavelengths from `wavelength` metres down, each `gain` times as strong as the one before. The root mean square
+    /// of the sum is 0.3. Wavelengths shrink by an irrational factor, so that no two lattices of a fractal ever coincide again.
+    pub fn new(seed: Seed, key: u64, wavelength: f64, gain: f64, slots: &mut Slots) -> Self {
         let (mut length, mut weight, mut squares) = (wavelength, 1.0, 0.0);
         let (mut octaves, mut weights) = ([(0, 0.0); N], [0.0; N]);
         for i in 0..N {
@@ -247,7 +247,7 @@ impl<const N: usize> Fractal<N> {
             weight *= gain;
         }
         weights.iter_mut().for_each(|w| *w /= f64::sqrt(squares));
-        Self { octaves: Octaves::new(seed, octaves, places), weights, sum: weights.iter().sum() }
+        Self { octaves: Octaves::new(seed, octaves, slots), weights, sum: weights.iter().sum() }
     }
 
     /// Value at a plan point.
@@ -255,13 +255,13 @@ impl<const N: usize> Fractal<N> {
         weighted(&self.octaves.at(p, corners), &self.weights)
     }
 
-    /// Ridged sum, 0 to 1: crests where octaves cross zero, each octave stronger on the crests of the one before, so
-    /// that valley floors are smooth.
+    /// Ridged sum, 0 to 1. Crests lie where octaves cross zero. Each octave is stronger on the crests of the one before, so valley
+    /// floors are smooth.
     pub fn ridged_at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
         let (mut sum, mut carry) = (0.0, 1.0);
         for (value, weight) in self.octaves.at(p, corners).iter().zip(&self.weights) {
             let n = value * 1.7;
-            // Rounded, so that a crest is a few metres wide and not a knife's edge.
+            // Rounded, so that a crest is a few metres wide and not infinitely sharp.
             let crest = 1.0 - (n * n + 0.002).sqrt().min(1.0);
             let crest = crest * crest * carry;
             carry = crest.min(1.0);
@@ -271,7 +271,7 @@ impl<const N: usize> Fractal<N> {
     }
 }
 
-/// Sum of values with weights.
+/// Weighted sum of values.
 #[inline(always)]
 pub(super) fn weighted<const N: usize>(values: &[f64; N], weights: &[f64; N]) -> f64 {
     (0..N).map(|i| values[i] * weights[i]).sum()
@@ -283,9 +283,9 @@ mod tests {
 
     #[test]
     fn fields_are_smooth_everywhere_and_do_not_repeat() {
-        let octave = Octaves::new(Seed(3), [(1, 100.0)], &mut Places::default());
+        let octave = Octaves::new(Seed(3), [(1, 100.0)], &mut Slots::default());
         let east = DVec2::new(octave.east[0][0], octave.east[1][0]);
-        let at = |p: DVec2| octave.at(p, &mut Fresh::new())[0];
+        let at = |p: DVec2| octave.at(p, &mut FreshCorners::new())[0];
         for origin in [0.0, -7e5, 5e8, 1e12] {
             let mut last = at(DVec2::new(origin, -origin));
             let mut sum = 0.0;
@@ -308,11 +308,11 @@ mod tests {
 
     #[test]
     fn gradients_are_those_of_the_values() {
-        let octave = Octaves::new(Seed(8), [(2, 50.0)], &mut Places::default());
-        let at = |p: DVec2| octave.at(p, &mut Fresh::new())[0];
+        let octave = Octaves::new(Seed(8), [(2, 50.0)], &mut Slots::default());
+        let at = |p: DVec2| octave.at(p, &mut FreshCorners::new())[0];
         for i in 0..500 {
             let p = DVec2::new(f64::from(i) * 13.7, f64::from(i) * -7.3);
-            let (_, [x, y]) = octave.with_gradients(p, &mut Fresh::new());
+            let (_, [x, y]) = octave.with_gradients(p, &mut FreshCorners::new());
             let along = |d: DVec2| (at(p + d * 1e-3) - at(p - d * 1e-3)) / 2e-3;
             assert!(DVec2::new(x[0], y[0]).distance(DVec2::new(along(DVec2::X), along(DVec2::Y))) < 1e-6);
         }

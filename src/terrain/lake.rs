@@ -1,48 +1,48 @@
 //! Lakes: basins on a jittered lattice, each with a level of its own and a rim above it.
 
-use super::TerrainSettings;
-use super::field::{Corners, Octaves, Places, draw, floor};
-use super::noise::Shape;
+use super::field::{Corners, Octaves, Slots, floor, lattice_random};
+use super::ground::Shape;
+use super::settings::TerrainSettings;
 use crate::layer::{LayerCache, LayerError, Weigh};
 use crate::space::{Seed, math};
 use glam::DVec2;
 
-/// How far a lake changes the ground, in radii along its shorter axis.
+/// Distance from the centre up to which a lake changes the ground, in radii along its shorter axis.
 const INFLUENCE: f64 = 2.2;
-/// How far, in radii, the level of a lake holds: from its shore to well up its rim.
+/// Distance from the centre, in radii, up to which the water level of a lake applies: beyond the shore, up its rim.
 const SHORE: f64 = 1.4;
 /// Greatest distance, in radii, by which noise moves the shore.
-const BENT: f64 = 0.55;
-/// Greatest length of a lake over its width.
+const WARP: f64 = 0.55;
+/// Greatest ratio of a lake's length to its width.
 const STRETCH: f64 = 1.5;
 /// Distance from the centre, in radii, beyond which a lake changes nothing.
-const REACH: f64 = (INFLUENCE + BENT) * STRETCH;
-/// Memory of the lakes that were looked at, in bytes.
+const REACH: f64 = (INFLUENCE + WARP) * STRETCH;
+/// Memory for the levels of lakes, in bytes.
 const CACHE_BYTES: usize = 1 << 20;
 
-/// Where a lake may lie: drawn for each cell without a look at the ground.
+/// A place where a lake may lie, drawn for a cell without reading the ground.
 #[derive(Clone, Copy, Debug)]
 struct Basin {
     centre: DVec2,
     radius: f64,
-    /// Heading of its greater length, in radians.
+    /// Direction of the longer axis, in radians.
     heading: f64,
     stretch: f64,
 }
 
 impl Basin {
-    /// Unit vector along its greater length.
+    /// Unit vector along the longer axis.
     fn axis(&self) -> DVec2 {
         math::direction(self.heading)
     }
 
-    /// The plan point at `local`, in radii along the greater length and across it, unbent.
+    /// The plan point at `local`, given in radii along both axes before noise moves the shore.
     fn plan(&self, local: DVec2) -> DVec2 {
         self.centre + self.axis().rotate(local * DVec2::new(self.stretch, 1.0) * self.radius)
     }
 }
 
-/// Level of the lake of a cell; `None` where the ground allows none.
+/// Water level of the lake of a cell; `None` if the ground allows no lake.
 #[derive(Debug)]
 struct Level(Option<f64>);
 
@@ -60,12 +60,12 @@ pub(super) struct Lakes {
     share: f64,
     radius: (f64, f64),
     bend: Octaves<2>,
-    /// Memory only: what is in it never changes a result.
+    /// A cache, which never changes a result.
     levels: LayerCache<[i64; 2], Level>,
 }
 
 impl Lakes {
-    pub fn new(seed: Seed, s: &TerrainSettings, places: &mut Places) -> Self {
+    pub fn new(seed: Seed, s: &TerrainSettings, slots: &mut Slots) -> Self {
         let mut stream = seed.stream("terrain", &[40]);
         let wavelength = (s.lake_radius.0 + s.lake_radius.1) * 0.75;
         Self {
@@ -73,14 +73,14 @@ impl Lakes {
             spacing: s.lake_spacing,
             share: s.lake_share,
             radius: s.lake_radius,
-            bend: Octaves::new(seed, [(41, wavelength), (42, wavelength)], places),
+            bend: Octaves::new(seed, [(41, wavelength), (42, wavelength)], slots),
             levels: LayerCache::new(CACHE_BYTES),
         }
     }
 
-    /// The basin of a cell. All that a lake changes lies within its cell.
+    /// The basin of a cell. A lake changes nothing outside its cell.
     fn basin(&self, cell: [i64; 2]) -> Option<Basin> {
-        let [size, place, shape] = self.seeds.map(|s| (draw(s, cell) + 1.0) / 2.0);
+        let [size, place, shape] = self.seeds.map(|s| (lattice_random(s, cell) + 1.0) / 2.0);
         if size.x >= self.share {
             return None;
         }
@@ -96,7 +96,7 @@ impl Lakes {
         })
     }
 
-    /// Level of a lake: just below the lowest ground around it, if no other water is near and the ground gentle enough.
+    /// Water level of a lake: just below the lowest ground around it. `None` if other water is near or the ground is too steep.
     fn level(&self, basin: &Basin, ground: impl Fn(DVec2) -> Shape) -> Option<f64> {
         let directions = ((basin.radius * 0.05).ceil() as usize).clamp(12, 48);
         let (mut low, mut high, mut table) = (f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -125,8 +125,9 @@ impl Lakes {
         Some((basin.centre, basin.radius, self.level(&basin, ground)?))
     }
 
-    /// Height and water level at `p` once lakes are laid into the ground `shape`; `ground` gives it elsewhere.
-    pub fn lay(
+    /// Height and water level at `p` after lakes were added to the ground. `shape` is the ground at `p`, `ground` returns it at any
+    /// point.
+    pub fn apply(
         &self,
         p: DVec2,
         shape: &Shape,
@@ -143,11 +144,11 @@ impl Lakes {
         let level = self.levels.get(&cell, || Ok::<_, LayerError>(Level(self.level(&basin, ground))));
         let Ok(Some(level)) = level.map(|l| l.0) else { return dry };
 
-        // Distance from the centre in radii, 1 on the shore.
+        // Distance from the centre in radii: 1 on the shore.
         let axis = basin.axis();
         let unbent = DVec2::new(offset.dot(axis) / basin.stretch, offset.dot(axis.perp())) / radius;
         let bend = DVec2::from(self.bend.at(p, corners)) * 0.6;
-        let q = (unbent + bend.clamp_length_max(BENT)).length();
+        let q = (unbent + bend.clamp_length_max(WARP)).length();
         if q >= INFLUENCE {
             return dry;
         }
@@ -155,7 +156,7 @@ impl Lakes {
             return (level - (2.0 + 0.018 * radius) * (1.0 - q * q), level);
         }
         let bank = level + (0.05 * radius * (q - 1.0)).min(3.0);
-        // The rim stands above the level all around, also where the ground between the places looked at is lower.
+        // The rim stands above the water level all around, even where the ground between the sampled points is lower.
         let rim = level + (0.03 * radius * (q - 1.0)).min(1.0) - 0.15 * radius * (q - 1.5).max(0.0);
         let height = math::mix(bank, shape.height, math::smoothstep(1.0, INFLUENCE, q)).max(rim);
         (height, if q < SHORE { level } else { shape.table })

@@ -1,217 +1,37 @@
 //! The default terrain.
 
-use super::field::{Corners, Fractal, Fresh, Octaves, Places, Remembered};
+use super::contract::{Scan, Terrain, TerrainSample};
+use super::field::{CachedCorners, Corners, FreshCorners, Slots};
+use super::ground::Ground;
 use super::lake::Lakes;
-use super::river::Rivers;
-use super::{Scan, Terrain, TerrainSample, TerrainSettings};
-use crate::space::{Seed, math};
+use super::settings::TerrainSettings;
+use crate::space::Seed;
 use glam::DVec2;
-
-/// Places in a wide field that are sorted to find the level below which a share of them lies.
-const QUANTILE_SAMPLES: usize = 4096;
-/// Greatest strength of the small bays and capes that are laid over the coast.
-const COAST_DETAIL: f64 = 0.1;
-/// Value of the continent field, above that of the coast, from which the ground is free of the sea.
-const INLAND: f64 = 0.17;
-/// Height of flood plains above the water, in metres.
-const FLOOD_PLAIN: f64 = 1.6;
 
 /// Endless land of plains, hills, ridged mountains, sea, rivers and lakes.
 ///
-/// Heights stand on a water table: a level that is 0 on the coast and rises gently inland. Sea and rivers lie at that
-/// level, all dry ground above it, so no water stands higher than the land beside it. Lakes have levels of their own.
+/// All heights are relative to a water table, a level that is 0 on the coast and rises gently inland. Sea and rivers lie at this
+/// level and all dry ground lies above it, so no water stands higher than the land beside it. Lakes have levels of their own.
 #[derive(Debug)]
 pub struct NoiseTerrain {
     ground: Ground,
     lakes: Lakes,
-    /// Octaves of all.
+    /// Number of octaves in all fields.
     octaves: usize,
 }
 
-/// Everything but the lakes.
-#[derive(Clone, Debug)]
-pub(super) struct Ground {
-    settings: TerrainSettings,
-    continent: Continent,
-    rivers: Rivers,
-    plain: Fractal<2>,
-    detail: Fractal<4>,
-    hill: Fractal<4>,
-    hill_mask: Mask,
-    mountain: Fractal<6>,
-    mountain_bend: Octaves<2>,
-    mountain_mask: Mask,
-    wood: Fractal<4>,
-}
-
-/// Ground at a point, before lakes.
-pub(super) struct Shape {
-    /// Height in metres.
-    pub height: f64,
-    /// Water table in metres.
-    pub table: f64,
-    /// How far from sea and rivers: 0 at their edge, 1 well away.
-    pub dry: f64,
-    /// How mountainous, 0 to 1.
-    pub mountain: f64,
-}
-
-/// A field that is 0 outside of a share of the plan and rises smoothly to 1 within.
-#[derive(Clone, Debug)]
-struct Mask {
-    field: Fractal<2>,
-    low: f64,
-    high: f64,
-}
-
-impl Mask {
-    fn new(seed: Seed, key: u64, wavelength: f64, share: f64, width: f64, places: &mut Places) -> Self {
-        let field = Fractal::new(seed, key, wavelength, 0.4, places);
-        let low = quantile(seed, key, wavelength, 1.0 - share, |p| field.at(p, &mut Fresh::new()));
-        Self { field, low, high: low + width }
-    }
-
-    fn at(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
-        math::smoothstep(self.low, self.high, self.field.at(p, corners))
-    }
-}
-
-/// The value that a `share` of a field lies below, found at places many wavelengths apart; beyond all values for 0 and 1.
-fn quantile(seed: Seed, key: u64, wavelength: f64, share: f64, field: impl Fn(DVec2) -> f64) -> f64 {
-    let mut stream = seed.stream("terrain", &[key, 1]);
-    let mut place = || stream.signed() * wavelength * 500.0;
-    let mut values: Vec<f64> = (0..QUANTILE_SAMPLES).map(|_| field(DVec2::new(place(), place()))).collect();
-    values.sort_by(f64::total_cmp);
-    match (share * QUANTILE_SAMPLES as f64) as usize {
-        0 => values[0] - 10.0,
-        QUANTILE_SAMPLES.. => values[QUANTILE_SAMPLES - 1] + 10.0,
-        i => values[i],
-    }
-}
-
-/// Where land and sea are.
-#[derive(Clone, Debug)]
-struct Continent {
-    bend: Octaves<2>,
-    bend_by: f64,
-    field: Fractal<3>,
-    coast: Fractal<5>,
-    sea: f64,
-}
-
-impl Continent {
-    fn new(seed: Seed, size: f64, sea_share: f64, places: &mut Places) -> Self {
-        let mut it = Self {
-            bend: Octaves::new(seed, [(1, size * 0.53), (2, size * 0.53)], places),
-            bend_by: size * 0.16,
-            field: Fractal::new(seed, 3, size, 0.42, places),
-            coast: Fractal::new(seed, 4, 5_300.0, 0.5, places),
-            sea: 0.0,
-        };
-        it.sea = quantile(seed, 3, size, sea_share, |p| it.wide(p, &mut Fresh::new()));
-        it
-    }
-
-    fn wide(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
-        let bend = DVec2::from(self.bend.at(p, corners));
-        self.field.at(p + bend * self.bend_by, corners) - self.sea
-    }
-
-    /// Wide field, and the same with the coast's detail: above 0 on land, below in the sea.
-    fn at(&self, p: DVec2, corners: &mut impl Corners) -> (f64, f64) {
-        let wide = self.wide(p, corners);
-        let x = wide / INLAND;
-        if x.abs() >= 1.0 {
-            return (wide, wide);
-        }
-        let fade = (1.0 - x * x) * (1.0 - x * x);
-        (wide, wide + COAST_DETAIL * fade * self.coast.at(p, corners).clamp(-1.0, 1.0))
-    }
-}
-
-/// `x` where it is well above 0, and smoothly to 0 below: valley floors without a crease.
-fn positive(x: f64) -> f64 {
-    (x + (x * x + 0.03).sqrt()) / 2.0
-}
-
-/// The smaller of two heights, rounded off over `k` metres.
-fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
-    let h = (k - (a - b).abs()).max(0.0) / k;
-    a.min(b) - h * h * k / 4.0
-}
-
-impl Ground {
-    fn new(seed: Seed, s: &TerrainSettings, places: &mut Places) -> Self {
-        Self {
-            settings: s.clone(),
-            continent: Continent::new(seed, s.continent_size, s.sea_share, places),
-            rivers: Rivers::new(seed, s.river_spacing, s.river_width, places),
-            plain: Fractal::new(seed, 20, 2_300.0, 0.4, places),
-            detail: Fractal::new(seed, 21, 330.0, 0.3, places),
-            hill: Fractal::new(seed, 22, 2_900.0, 0.42, places),
-            hill_mask: Mask::new(seed, 23, 15_700.0, s.hill_share, 0.25, places),
-            mountain: Fractal::new(seed, 24, 7_900.0, 0.44, places),
-            mountain_bend: Octaves::new(seed, [(25, 3_100.0), (26, 3_100.0)], places),
-            mountain_mask: Mask::new(seed, 27, 39_000.0, s.mountain_share, 0.35, places),
-            wood: Fractal::new(seed, 28, 2_900.0, 0.65, places),
-        }
-    }
-
-    pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> Shape {
-        let s = &self.settings;
-        let (wide, coast) = self.continent.at(p, corners);
-        let table = s.inland_height * math::smoothstep(INLAND, 0.95, wide);
-        let river = self.rivers.at(p, corners);
-
-        // Roughness grows away from rivers; mountains stand on watersheds.
-        let mut relief = 9.0 * positive(0.55 + self.plain.at(p, corners)) * river.valley;
-        let hilly = if coast > 0.0 { self.hill_mask.at(p, corners) * coast / (coast + 0.05) } else { 0.0 };
-        if hilly > 0.0 {
-            relief += s.hill_height * hilly * river.valley * positive(0.45 + 0.9 * self.hill.at(p, corners));
-        }
-        let mut mountain = 0.0;
-        // Neither stands on the beach.
-        let inland = math::smoothstep(0.0, INLAND, coast);
-        let room = inland * math::smoothstep(0.12, 0.6, river.watershed) * river.valley;
-        if room > 0.0 {
-            mountain = self.mountain_mask.at(p, corners) * room;
-            if mountain > 0.0 {
-                let bend = DVec2::from(self.mountain_bend.at(p, corners)) * 500.0;
-                relief += s.mountain_height * mountain * (0.15 + self.mountain.ridged_at(p + bend, corners));
-            }
-        }
-        let rough = 0.5 * positive(0.8 + self.detail.at(p, corners)) * (1.0 + (3.0 * mountain + hilly) * river.valley);
-        let land = if coast > 0.0 {
-            let shore = coast / (coast + 0.035) * (1.0 + 0.035);
-            shore * (FLOOD_PLAIN + rough + relief) + 40.0 * coast.min(0.05)
-        } else {
-            420.0 * coast / (1.0 - 3.0 * coast)
-        };
-        let height = table + smooth_min(land, river.profile, 0.5);
-        let dry = river.dry * inland;
-        Shape { height, table, dry, mountain }
-    }
-
-    fn vegetation(&self, p: DVec2, shape: &Shape, height: f64, corners: &mut impl Corners) -> f64 {
-        let above = height - shape.table;
-        let shore = math::smoothstep(0.5, 4.0, above);
-        let tree_line = 1.0 - math::smoothstep(420.0, 620.0, above);
-        let density = 0.5 + self.wood.at(p, corners) + 1.4 * (self.settings.vegetation - 0.5) + 0.25 * shape.mountain;
-        math::smoothstep(0.0, 1.0, density) * shore * tree_line
-    }
-}
-
 impl NoiseTerrain {
-    /// The terrain of a seed. `settings` are taken as checked.
+    /// The terrain of a seed. `settings` must have been checked.
     pub fn new(seed: Seed, settings: &TerrainSettings) -> Self {
-        let places = &mut Places::default();
-        let (ground, lakes) = (Ground::new(seed, settings, places), Lakes::new(seed, settings, places));
-        Self { ground, lakes, octaves: places.taken() }
+        let slots = &mut Slots::default();
+        let (ground, lakes) = (Ground::new(seed, settings, slots), Lakes::new(seed, settings, slots));
+        Self { ground, lakes, octaves: slots.taken() }
     }
 
     fn sample_with(&self, p: DVec2, wooded: bool, corners: &mut impl Corners) -> TerrainSample {
         let shape = self.ground.at(p, corners);
-        let (height, water_level) = self.lakes.lay(p, &shape, corners, |q| self.ground.at(q, &mut Fresh::new()));
+        let (height, water_level) =
+            self.lakes.apply(p, &shape, corners, |q| self.ground.at(q, &mut FreshCorners::new()));
         let bare = !wooded || height < water_level;
         let vegetation = if bare { 0.0 } else { self.ground.vegetation(p, &shape, height, corners) };
         TerrainSample { height, water_level, vegetation }
@@ -220,16 +40,16 @@ impl NoiseTerrain {
 
 impl Terrain for NoiseTerrain {
     fn sample(&self, p: DVec2) -> TerrainSample {
-        self.sample_with(p, true, &mut Fresh::new())
+        self.sample_with(p, true, &mut FreshCorners::new())
     }
 
     fn scan(&self) -> Scan<'_> {
-        let mut corners = Remembered::new(self.octaves);
+        let mut corners = CachedCorners::new(self.octaves);
         Box::new(move |p| self.sample_with(p, true, &mut corners))
     }
 
     fn scan_ground(&self) -> Scan<'_> {
-        let mut corners = Remembered::new(self.octaves);
+        let mut corners = CachedCorners::new(self.octaves);
         Box::new(move |p| self.sample_with(p, false, &mut corners))
     }
 }
@@ -237,6 +57,7 @@ impl Terrain for NoiseTerrain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::math;
 
     fn terrain(seed: u64) -> NoiseTerrain {
         NoiseTerrain::new(Seed(seed), &TerrainSettings::default())
@@ -363,7 +184,7 @@ mod tests {
         let t = terrain(41);
         let mut found = 0;
         for cell in (-6..6).flat_map(|x| (-6..6).map(move |y| [x, y])) {
-            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q, &mut Fresh::new())) else {
+            let Some((centre, radius, level)) = t.lakes.lake(cell, |q| t.ground.at(q, &mut FreshCorners::new())) else {
                 continue;
             };
             found += 1;

@@ -3,7 +3,7 @@
 use crate::layer::RangeError;
 use serde::{Deserialize, Serialize};
 
-/// Settings of [`NoiseTerrain`](super::NoiseTerrain). Lengths and heights in metres; shares 0 to 1.
+/// Settings of [`NoiseTerrain`](super::NoiseTerrain). Lengths and heights are in metres, shares are 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
@@ -12,15 +12,15 @@ pub struct TerrainSettings {
     pub sea_share: f64,
     /// Distance over which sea and land alternate: 10,000 to 1,000,000.
     pub continent_size: f64,
-    /// Height of plains and of the rivers in them far inland: 0 to 400.
+    /// Height of plains, and of the rivers in them, far inland: 0 to 400.
     pub inland_height: f64,
     /// Height of hills: 0 to 400.
     pub hill_height: f64,
     /// Share of the plan that is hilly: 0 to 1.
     pub hill_share: f64,
-    /// Height of the highest mountains above the plain, roughly: 0 to 3000.
+    /// Approximate height of the highest mountains above the plain: 0 to 3000.
     pub mountain_height: f64,
-    /// Share of the plan where mountains rise, as far as rivers and sea leave room: 0 to 0.8.
+    /// Share of the plan where mountains rise, if rivers and sea leave room: 0 to 0.8.
     pub mountain_share: f64,
     /// Distance between main rivers: 4,000 to 200,000.
     pub river_spacing: f64,
@@ -28,11 +28,11 @@ pub struct TerrainSettings {
     pub river_width: (f64, f64),
     /// Distance between places that may hold a lake: 3,000 to 200,000.
     pub lake_spacing: f64,
-    /// Share of these places that hold one, where the ground allows it: 0 to 1.
+    /// Share of these places that hold a lake if the ground allows it: 0 to 1.
     pub lake_share: f64,
-    /// Least and greatest radius of a lake: 50 to 2000, and at most a tenth of `lake_spacing`.
+    /// Least and greatest radius of a lake: 50 to 2000, but at most a tenth of `lake_spacing`.
     pub lake_radius: (f64, f64),
-    /// How densely the ground is grown over: 0 is bare, 0.5 woods and meadows in turn, 1 mostly wood.
+    /// Density of the vegetation: 0 is bare ground, 0.5 woods and meadows in turn, 1 mostly woods.
     pub vegetation: f64,
 }
 
@@ -57,7 +57,11 @@ impl Default for TerrainSettings {
 }
 
 impl TerrainSettings {
-    /// Checks that every value lies in its range; NaN lies in none.
+    /// Checks that every value lies in its range.
+    ///
+    /// # Errors
+    ///
+    /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
         let range = RangeError::check;
         let pair = |field: &str, (least, greatest): (f64, f64), low: f64, high: f64| {

@@ -1,12 +1,13 @@
-//! Geodesics: cheapest ways on the lattice with position and heading in the state, so that bends cost and bridges and
-//! tunnels are straight (Galin 2011, section 4.1, after Galin 2010).
+//! Geodesics: cheapest paths on the lattice with position and heading in the state, so that bends cost something and bridges
+//! and tunnels are straight (Galin 2011, section 4.1, after Galin 2010).
 //!
-//! A first search backwards over nodes alone, without bends, bounds from below what is left to pay from each of them; with
-//! these bounds, A* over nodes and headings looks at little more than the way it finds.
+//! A first search runs backwards over nodes alone, without bends. It gives each node a lower bound of the cost that remains.
+//! With these bounds, A* over nodes and headings visits little more than the path it finds.
 
-use super::course::Span;
-use super::field::{Field, Hop};
-use super::lattice::{DIRECTIONS, STENCIL, bends, corner_radius, node_at};
+use super::cost::{bends, corner_radius};
+use super::field::{Field, SpanEdge};
+use super::lattice::{DIRECTIONS, STENCIL, node_at};
+use super::route::Span;
 use crate::layer::{Cancel, LayerError};
 use crate::space::Bounds;
 use crate::space::math::angle_between;
@@ -15,36 +16,36 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-/// States of a node: one per heading, and one at a start.
+/// Number of states of a node: one per heading, and one for a start.
 const STATES: usize = DIRECTIONS + 1;
-/// Cost in metres of a bend at a gate that is sharper than the class allows elsewhere.
+/// Cost in metres of a bend at a gate that is sharper than the class otherwise allows.
 const SHARP: f64 = 400.0;
-/// Bounds are found as far as this share beyond the cheapest way without bends, and these metres.
-const BEYOND: (f32, f32) = (1.15, 500.0);
+/// The first search goes on until costs exceed this multiple of the cheapest path without bends, plus so many metres.
+const MARGIN: (f32, f32) = (1.15, 500.0);
 
-/// Where a way may begin or end.
+/// Where a path may begin or end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub node: I64Vec2,
-    /// Cost of what lies beyond it.
+    /// Cost of the stretch beyond the stop.
     pub cost: f64,
-    /// The road that goes on from there, in metres, zero if there is none.
+    /// The stretch that goes on from there, as a vector in metres; zero if there is none.
     pub beyond: DVec2,
 }
 
-/// A way found.
+/// The cheapest path.
 #[derive(Clone, Debug)]
 pub(super) struct Geodesic {
     pub cost: f64,
     pub nodes: Vec<I64Vec2>,
     pub spans: Vec<Span>,
-    /// Index of the stop where it begins.
+    /// Index of the stop where the path begins.
     pub from: usize,
-    /// Index of the stop where it ends.
+    /// Index of the stop where the path ends.
     pub to: usize,
 }
 
-/// A key of the queue: costs are not negative, so their bits sort like they do; equal ones by state.
+/// A key of the queue. Costs are not negative, so their bits have the same order; equal costs are ordered by state.
 fn queued(cost: f32, state: usize) -> Reverse<u64> {
     Reverse(u64::from(cost.to_bits()) << 32 | state as u64)
 }
@@ -53,7 +54,7 @@ fn unqueued(key: u64) -> (f32, usize) {
     (f32::from_bits((key >> 32) as u32), (key & 0xffff_ffff) as usize)
 }
 
-/// Cost of the bend between a heading and the road beyond a stop.
+/// Cost of the bend between a heading and the stretch beyond a stop.
 fn bend_beyond(field: &Field, stop: &Stop, heading: usize, arriving: bool) -> f32 {
     if stop.beyond == DVec2::ZERO {
         return 0.0;
@@ -61,60 +62,65 @@ fn bend_beyond(field: &Field, stop: &Stop, heading: usize, arriving: bool) -> f3
     let t = field.class();
     let way = if arriving { STENCIL[heading].as_dvec2() } else { -STENCIL[heading].as_dvec2() };
     let headings = angle_between(way, stop.beyond) / (TAU / DIRECTIONS as f64);
-    // A settlement has few gates: a sharp corner at one is dear, but better than no road.
+    // A settlement has few gates: a sharp bend at one is dear, but better than no road.
     let sharp = corner_radius(way * field.step() as f64, stop.beyond) < t.radius;
     (t.turn * headings * headings + if sharp { SHARP } else { 0.0 }) as f32
 }
 
-/// The cheapest way from one of `from` to one of `to`.
+/// The cheapest path from one of the stops `from` to one of the stops `to`. `None` if there is none in the corridor.
 pub(super) fn geodesic(
     field: &mut Field,
     from: &[Stop],
     to: &[Stop],
     cancel: &Cancel,
 ) -> Result<Option<Geodesic>, LayerError> {
-    let Some(rest) = bounds(field, from, to, cancel)? else { return Ok(None) };
+    let Some(rest) = lower_bounds(field, from, to, cancel)? else { return Ok(None) };
     forward(field, from, to, &rest, cancel)
 }
 
-/// Lower bounds of the cost from each slot to an end; `None` if no start is joined to one. A* towards the starts, without
-/// headings.
-fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Result<Option<Vec<f32>>, LayerError> {
-    let count = field.strip.nodes.len();
+/// Lower bounds of the cost from each slot to an end: A* from the ends towards the starts, without headings. `None` if no
+/// start is connected to an end.
+fn lower_bounds(
+    field: &mut Field,
+    from: &[Stop],
+    to: &[Stop],
+    cancel: &Cancel,
+) -> Result<Option<Vec<f32>>, LayerError> {
+    let count = field.corridor().nodes.len();
     let mut rest = vec![f32::INFINITY; count];
     let mut done = vec![false; count];
     let mut start = vec![f32::INFINITY; count];
     for stop in from {
-        if let Some(slot) = field.strip.slot(stop.node) {
+        if let Some(slot) = field.corridor().slot(stop.node) {
             start[slot] = start[slot].min(stop.cost as f32);
         }
     }
-    // A disc around all starts: from each node no less is left to go than to its rim.
+    // A disc around all starts: from each node, the path to its rim is a lower bound.
     let ends = Bounds::of(from.iter().map(|s| node_at(s.node, field.step())));
     let (middle, radius) = (ends.centre(), ends.size().length() / 2.0);
-    let (least, step) = (field.least(), field.step());
+    let (least, step) = (field.least_cost(), field.step());
     let ahead: Vec<f32> = field
-        .strip
+        .corridor()
         .nodes
         .iter()
         .map(|n| (least * (node_at(*n, step).distance(middle) - radius).max(0.0)) as f32)
         .collect();
     let mut open = BinaryHeap::new();
     for stop in to {
-        if let Some(slot) = field.strip.slot(stop.node).filter(|s| rest[*s] > stop.cost as f32) {
+        if let Some(slot) = field.corridor().slot(stop.node).filter(|s| rest[*s] > stop.cost as f32) {
             rest[slot] = stop.cost as f32;
             open.push(queued(rest[slot] + ahead[slot], slot));
         }
     }
     let (mut best, mut reached) = (f32::INFINITY, f32::INFINITY);
     let mut popped = 0u32;
-    let mut hops: Vec<Hop> = Vec::new();
+    let mut spans: Vec<SpanEdge> = Vec::new();
     while let Some(Reverse(key)) = open.pop() {
         let (all, slot) = unqueued(key);
         if done[slot] {
             continue;
         }
-        if all > best * BEYOND.0 + BEYOND.1 {
+        if all > best * MARGIN.0 + MARGIN.1 {
             reached = all;
             break;
         }
@@ -126,22 +132,22 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
             cancel.check()?;
         }
         for heading in 0..DIRECTIONS {
-            let Some((next, edge)) = field.rough(slot, heading)? else { continue };
+            let Some((next, edge)) = field.lower_bound(slot, heading)? else { continue };
             if cost + edge < rest[next] {
                 rest[next] = cost + edge;
                 open.push(queued(rest[next] + ahead[next], next));
             }
-            if edge.is_infinite() || !field.has_hops(slot, heading)? {
+            if edge.is_infinite() || !field.has_spans(slot, heading)? {
                 continue;
             }
-            hops.clear();
-            hops.extend(field.hops(slot, heading)?);
-            for hop in &hops {
-                let after = field.rough(hop.last, heading)?.map_or(f32::INFINITY, |e| e.1);
-                let whole = cost + edge + hop.cost + after;
-                if whole < rest[hop.to] {
-                    rest[hop.to] = whole;
-                    open.push(queued(whole + ahead[hop.to], hop.to));
+            spans.clear();
+            spans.extend(field.spans(slot, heading)?);
+            for span in &spans {
+                let after = field.lower_bound(span.last, heading)?.map_or(f32::INFINITY, |e| e.1);
+                let whole = cost + edge + span.cost + after;
+                if whole < rest[span.to] {
+                    rest[span.to] = whole;
+                    open.push(queued(whole + ahead[span.to], span.to));
                 }
             }
         }
@@ -152,22 +158,22 @@ fn bounds(field: &mut Field, from: &[Stop], to: &[Stop], cancel: &Cancel) -> Res
     Ok(best.is_finite().then_some(rest))
 }
 
-/// A way to a state, as far as it is known.
+/// A path to a state.
 #[derive(Clone, Copy)]
 struct Label {
     cost: f32,
     /// Slot and heading at its end.
     state: u32,
-    /// The label it goes on from; itself at a start.
+    /// The label that this one continues; a start continues itself.
     before: u32,
-    /// Edges of a bridge or tunnel, 0 for a plain edge.
+    /// Number of edges of the bridge or tunnel that led here, 0 for an edge on the ground.
     edges: u8,
     tunnel: bool,
-    /// Whether `cost` is the cost, or only a lower bound.
+    /// Whether `cost` is the whole cost, or only a lower bound.
     exact: bool,
 }
 
-/// A* over nodes and headings. `rest` bounds from below what is left to pay from each slot. What lies between the nodes of an
+/// A* over nodes and headings. `rest` is a lower bound of the remaining cost at each slot. The ground between the ends of an
 /// edge is looked at only when the edge is about to be used (Cohen, Phillips and Likhachev 2014, lazy weighted A*).
 fn forward(
     field: &mut Field,
@@ -177,18 +183,18 @@ fn forward(
     cancel: &Cancel,
 ) -> Result<Option<Geodesic>, LayerError> {
     let turns = bends(field.class(), field.step());
-    let count = field.strip.nodes.len();
+    let count = field.corridor().nodes.len();
     let mut done = vec![0u32; count];
     let mut ends = vec![false; count];
     for stop in to {
-        if let Some(slot) = field.strip.slot(stop.node) {
+        if let Some(slot) = field.corridor().slot(stop.node) {
             ends[slot] = true;
         }
     }
     let mut labels: Vec<Label> = Vec::new();
     let mut open = BinaryHeap::new();
     for stop in from {
-        let Some(slot) = field.strip.slot(stop.node).filter(|s| rest[*s].is_finite()) else { continue };
+        let Some(slot) = field.corridor().slot(stop.node).filter(|s| rest[*s].is_finite()) else { continue };
         let (cost, before) = (stop.cost as f32, labels.len() as u32);
         let state = (slot * STATES + DIRECTIONS) as u32;
         open.push(queued(cost + rest[slot], labels.len()));
@@ -196,7 +202,7 @@ fn forward(
     }
     let mut best: Option<(f32, usize, usize)> = None;
     let mut popped = 0u32;
-    let mut hops: Vec<Hop> = Vec::new();
+    let mut spans: Vec<SpanEdge> = Vec::new();
     let mut ahead: Vec<(usize, f32)> = Vec::new();
     while let Some(Reverse(key)) = open.pop() {
         let (all, index) = unqueued(key);
@@ -211,8 +217,8 @@ fn forward(
         if !label.exact {
             let before = labels[label.before as usize].state as usize / STATES;
             let (more, tunnel) = match label.edges {
-                0 => (field.hidden(before, heading)?, false),
-                edges => field.hidden_hop(before, heading, edges.into())?,
+                0 => (field.surcharge(before, heading)?, false),
+                edges => field.span_surcharge(before, heading, edges.into())?,
             };
             label = Label { exact: true, cost: label.cost + more, tunnel, ..label };
             labels[index] = label;
@@ -228,7 +234,7 @@ fn forward(
         if popped.is_multiple_of(4096) {
             cancel.check()?;
         }
-        let node = field.strip.nodes[slot];
+        let node = field.corridor().nodes[slot];
         if ends[slot] {
             for (i, stop) in to.iter().enumerate().filter(|(_, s)| s.node == node) {
                 let bend = if heading < DIRECTIONS { bend_beyond(field, stop, heading, true) } else { 0.0 };
@@ -254,37 +260,37 @@ fn forward(
                     labels.push(Label { cost, state, before: index as u32, edges, tunnel: false, exact: false });
                 }
             };
-            let Some((next, edge)) = field.rough(slot, *along)? else { continue };
+            let Some((next, edge)) = field.lower_bound(slot, *along)? else { continue };
             if edge.is_infinite() {
                 continue;
             }
             reach(next, cost + edge, 0);
-            if !field.has_hops(slot, *along)? {
+            if !field.has_spans(slot, *along)? {
                 continue;
             }
-            hops.clear();
-            hops.extend(field.hops(slot, *along)?);
-            for hop in &hops {
-                let after = field.rough(hop.last, *along)?.map_or(f32::INFINITY, |e| e.1);
-                reach(hop.to, cost + edge + hop.cost + after, hop.edges as u8);
+            spans.clear();
+            spans.extend(field.spans(slot, *along)?);
+            for span in &spans {
+                let after = field.lower_bound(span.last, *along)?.map_or(f32::INFINITY, |e| e.1);
+                reach(span.to, cost + edge + span.cost + after, span.edges as u8);
             }
         }
     }
     let Some((cost, mut last, to)) = best else { return Ok(None) };
-    // Back to the start, then along the way again.
+    // Back to the start, then forwards again.
     let mut steps: Vec<Label> = Vec::new();
     while labels[last].before as usize != last {
         steps.push(labels[last]);
         last = labels[last].before as usize;
     }
-    let start = field.strip.nodes[labels[last].state as usize / STATES];
-    let (mut node, mut nodes, mut spans) = (start, vec![start], Vec::new());
+    let start = field.corridor().nodes[labels[last].state as usize / STATES];
+    let (mut node, mut nodes, mut route_spans) = (start, vec![start], Vec::new());
     for step in steps.iter().rev() {
         let along = STENCIL[step.state as usize % STATES];
         let edges = if step.edges == 0 { 1 } else { usize::from(step.edges) + 2 };
         if step.edges > 0 {
             let first = nodes.len();
-            spans.push(Span { first, last: first + usize::from(step.edges), tunnel: step.tunnel });
+            route_spans.push(Span { first, last: first + usize::from(step.edges), tunnel: step.tunnel });
         }
         for _ in 0..edges {
             node += along;
@@ -293,14 +299,15 @@ fn forward(
     }
     let starts = from.iter().enumerate().filter(|(_, s)| s.node == start);
     let from = starts.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).map_or(0, |s| s.0);
-    Ok(Some(Geodesic { cost: cost.into(), nodes, spans, from, to }))
+    Ok(Some(Geodesic { cost: cost.into(), nodes, spans: route_spans, from, to }))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::Strip;
-    use super::super::lattice::{Samples, node_at};
-    use super::super::{RoadSettings, TierSettings};
+    use super::super::field::Corridor;
+    use super::super::lattice::node_at;
+    use super::super::samples::Samples;
+    use super::super::settings::{RoadSettings, TierSettings};
     use super::*;
     use crate::layer::LayerCache;
     use crate::terrain::{Terrain, TerrainSample};
@@ -327,8 +334,8 @@ mod tests {
     fn way(terrain: &Across, t: &TierSettings) -> Option<Geodesic> {
         let cache = LayerCache::new(1 << 24);
         let ends = [I64Vec2::new(0, 0), I64Vec2::new(40, 3)];
-        let strip = Strip::around(&ends.map(|n| node_at(n, STEP)), 2_500.0, STEP, None);
-        let mut field = Field::new(strip, t, STEP, terrain, |w| Samples::new(&cache, terrain, STEP, w));
+        let corridor = Corridor::around(&ends.map(|n| node_at(n, STEP)), 2_500.0, STEP, None);
+        let mut field = Field::new(corridor, t, STEP, terrain, |w| Samples::new(&cache, terrain, STEP, w));
         let [from, to] = ends.map(|node| [Stop { node, cost: 0.0, beyond: DVec2::ZERO }]);
         let found = geodesic(&mut field, &from, &to, &Cancel::new()).unwrap();
         if let Some(g) = &found {

@@ -1,8 +1,7 @@
 //! Settings of roads.
 
 use crate::layer::RangeError;
-use crate::network::SizeClass;
-use crate::network::StreetClass;
+use crate::network::{SizeClass, StreetClass};
 use serde::{Deserialize, Serialize};
 
 /// Settings of roads, one set per class.
@@ -10,9 +9,9 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSettings {
-    /// Spacing in metres of the lattice that courses of roads run on: 64 to 512.
+    /// Spacing in metres of the lattice that roads are searched on: 64 to 512.
     pub step: i64,
-    /// Distance in metres below which roads that run beside each other become one: 0 (never) to 400.
+    /// Distance in metres below which roads that run beside each other merge: 0 (never) to 400.
     pub merge: f64,
     /// Roads between cities.
     pub highway: TierSettings,
@@ -22,73 +21,73 @@ pub struct RoadSettings {
     pub minor: TierSettings,
 }
 
-/// How a road crosses a highway, where the ground and what is near allow it; elsewhere by a junction.
+/// How a road crosses a highway where the ground and the surroundings allow it. Elsewhere it crosses at a junction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum Crossing {
     /// At a junction.
     Junction,
-    /// On a bridge, without a way from one to the other; where a road leads from one to the other, at a junction.
+    /// On a bridge without a connection. Where a road turns from one to the other, at a junction.
     Bridge,
-    /// On a bridge, with a ramp from one to the other.
+    /// On a bridge, with a ramp that connects both.
     Interchange,
 }
 
-/// Settings of one class of roads. Costs are in metres of flat open ground.
+/// Settings of one class of roads. Costs are in metres of flat open ground (Galin 2011, section 4.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct TierSettings {
-    /// Greatest beeline in metres between settlements that are tried: 500 to 60,000.
+    /// Greatest beeline in metres between the settlements of a pair: 500 to 60,000.
     pub reach: f64,
-    /// Exponent of the proximity rule (Galin 2011, section 5): 1.01 to 20. 2 is a Gabriel graph, large a relative
-    /// neighbour graph.
+    /// Exponent of the proximity rule (Galin 2011, section 5): 1.01 to 20. The value 2 gives a Gabriel graph, a large value a
+    /// relative neighbour graph.
     pub gamma: f64,
-    /// Greatest cost of a road over its beeline; dearer ones are not built: 1.1 to 3.
+    /// Greatest ratio of a road's cost to its beeline: 1.1 to 3. More expensive roads are not built.
     pub detour: f64,
-    /// Steps of the wide lattice on which distances are found, in steps of the fine one: 1 to 8.
+    /// Spacing of the coarse lattice, on which paths are searched first, in steps of the fine lattice: 1 to 8.
     pub wide_step: i64,
-    /// How far in metres the course may leave the path on the wide lattice: 200 to 3000.
+    /// Greatest distance in metres of the road from its path on the coarse lattice: 200 to 3000.
     pub corridor: f64,
-    /// Extra cost per metre at the steepest slope allowed; grows with the square of the slope: 0 to 100.
+    /// Extra cost per metre at the steepest slope allowed: 0 to 100. The cost grows with the square of the slope.
     pub slope: f64,
     /// Steepest slope (rise over run) in the direction of travel, between lattice points: 0.01 to 1.
     pub slope_limit: f64,
-    /// Greatest height in metres by which the ground may leave the straight line between lattice points, which is cut
-    /// or filled: 1 to 100.
+    /// Greatest difference in metres between the ground and the straight line between lattice points: 1 to 100. This much is cut
+    /// or filled.
     pub earthwork: f64,
-    /// Extra cost per metre of bridge over land or shallow water: 0 to 100. Over water it grows, and doubles at the
-    /// greatest depth.
+    /// Extra cost per metre of a bridge over land or shallow water: 0 to 100. It grows with the depth of the water and doubles at
+    /// the greatest depth.
     pub water: f64,
     /// Greatest depth of water that is bridged, in metres: 0 to 200.
     pub depth_limit: f64,
-    /// Cost of a bridge of any length, in metres: 0 to 10,000.
+    /// Fixed extra cost of a bridge: 0 to 10,000.
     pub bridge: f64,
-    /// Greatest length of a bridge in metres: 0 to 5000. Shorter than two steps of the lattice, only brooks are crossed.
+    /// Greatest length of a bridge in metres: 0 to 5000. Below two steps of the lattice, only brooks are crossed.
     pub bridge_limit: f64,
-    /// Extra cost per metre of tunnel: 0 to 100.
+    /// Extra cost per metre of a tunnel: 0 to 100.
     pub tunnel_metre: f64,
-    /// Cost of a tunnel of any length, in metres: 0 to 10,000.
+    /// Fixed extra cost of a tunnel: 0 to 10,000.
     pub tunnel: f64,
-    /// Greatest length of a tunnel in metres: 0 to 5000; 0 for none.
+    /// Greatest length of a tunnel in metres: 0 (no tunnels) to 5000.
     pub tunnel_limit: f64,
     /// Extra cost per metre in dense wood: 0 to 20.
     pub vegetation: f64,
     /// Extra cost per metre at the centre of a settlement that the road does not serve: 0 to 100.
     pub settlement: f64,
-    /// Extra cost per metre of a new road; an existing one of a higher class is used without: 0 to 5.
+    /// Extra cost per metre of a new road: 0 to 5. The use of an existing road of a higher class is free of it.
     pub building: f64,
-    /// Extra cost per metre right beside an existing road of a higher class: 0 to 20.
+    /// Extra cost per metre directly beside an existing road of a higher class: 0 to 20.
     pub beside: f64,
-    /// Cost of a bend of 22 degrees, in metres; grows with the square of the angle: 0 to 1000.
+    /// Cost of a bend of 22 degrees: 0 to 1000. The cost grows with the square of the angle.
     pub turn: f64,
-    /// Least radius of bends in metres, but at junctions: 10 to 1000. Bends of one heading, 270 m on a lattice of 128 m,
-    /// are always allowed.
+    /// Least radius of bends in metres, except at junctions: 10 to 1000. A bend to the next heading, whose radius is 270 m on a
+    /// lattice of 128 m, is always allowed.
     pub radius: f64,
-    /// How it crosses highways.
+    /// How roads of the class cross highways.
     pub over_highways: Crossing,
-    /// Greatest extra cost per metre that varies from place to place for no reason that the terrain knows: 0 to 1. Roads
-    /// that it makes wind by little find to each other.
+    /// Greatest random extra cost per metre, which varies from place to place independently of the terrain: 0 to 1. It makes roads
+    /// wind a little and share stretches.
     pub rough: f64,
 }
 
@@ -189,9 +188,9 @@ impl TierSettings {
         range("rough", self.rough, 0.0, 1.0)
     }
 
-    /// Distance from any point of a road of this class within which one of its two settlements has its centre: a path on
-    /// the wide lattice is no longer than `detour` times the distance on the stencil, which is at most 1.03 beelines, and
-    /// begins half a cell from the centre; the course keeps within the corridor around that path.
+    /// Distance in metres from any point of a road of this class, within which one of its two settlements has its centre. A path
+    /// on the coarse lattice is at most `detour` times as long as the distance on the stencil, which is at most 1.03 beelines,
+    /// and it begins half a cell from the centre. The route keeps within the corridor around that path.
     pub(super) fn padding(&self, step: i64) -> f64 {
         let cell = (step * self.wide_step) as f64;
         self.detour * (0.515 * self.reach + cell) + cell + self.corridor
@@ -199,7 +198,11 @@ impl TierSettings {
 }
 
 impl RoadSettings {
-    /// Checks ranges.
+    /// Checks that every value lies in its range.
+    ///
+    /// # Errors
+    ///
+    /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::check("step", self.step as f64, 64.0, 512.0)?;
         RangeError::check("merge", self.merge, 0.0, 400.0)?;
@@ -208,7 +211,7 @@ impl RoadSettings {
         self.minor.check().map_err(|e| e.within("minor"))
     }
 
-    /// Settings of the roads of a class.
+    /// Settings of the roads of a street class.
     pub(super) fn class(&self, class: StreetClass) -> &TierSettings {
         match class {
             StreetClass::Highway => &self.highway,
@@ -217,21 +220,12 @@ impl RoadSettings {
         }
     }
 
-    /// Settings of the roads whose smaller end is of size `tier`.
+    /// Settings of the roads of a tier.
     pub(super) fn tier(&self, tier: SizeClass) -> &TierSettings {
         match tier {
             SizeClass::City => &self.highway,
             SizeClass::Town => &self.major,
             SizeClass::Village => &self.minor,
-        }
-    }
-
-    /// The same, to be changed.
-    pub(super) fn tier_mut(&mut self, tier: SizeClass) -> &mut TierSettings {
-        match tier {
-            SizeClass::City => &mut self.highway,
-            SizeClass::Town => &mut self.major,
-            SizeClass::Village => &mut self.minor,
         }
     }
 }

@@ -1,13 +1,16 @@
-//! Rounding off the courses' corners, so that nothing that was apart meets.
+//! Smoothing: vertices move and corners become round, without making roads meet that did not meet before.
 //!
-//! Vertices with two ways are moved by up to three rounds of binomial smoothing and their corners rounded by a parabola. How far
-//! the line may stray from the lattice's at each is known beforehand; where two lines, or a line and an outline, are not
-//! further apart than both may stray, neither is moved, and if not even rounding their corners leaves room, neither is
-//! touched. That decision needs only what lies within a few steps, and no order.
+//! Vertices with two ways are moved by up to three rounds of binomial smoothing, and their corners are rounded by a parabola. How
+//! far a line may deviate from its lattice edges is known beforehand. Where two lines, or a line and an outline, are not
+//! farther apart than both may deviate, neither is moved. Where not even the rounding of corners leaves room, neither is changed
+//! at all. This decision needs only what lies within a few steps, and no order.
 
-use super::Work;
-use super::graph::{Graph, Key, Place, Vertex, Way, tile_bounds};
-use crate::layer::{Cancel, LayerError, Reach, Weigh};
+use super::budget::Budget;
+use super::inputs::Inputs;
+use super::overpass::BuiltGraphs;
+use super::tile::{tile_bounds, tiles_around};
+use super::vertex::{Graph, Key, Position, Vertex, Way};
+use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
 use crate::space::{Bounds, Origin, math::angle_between, polygon_distance, segment_distance};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
@@ -15,97 +18,119 @@ use std::sync::Arc;
 
 /// Distance in metres that lines keep from each other after smoothing.
 const APART: f64 = 6.0;
-/// How far around its tile shapes depend on the graph, in steps: a vertex's neighbourhood of three edges each way, that of
-/// the lines it might meet, and outlines beside them.
-const PADDING_STEPS: f64 = 14.0;
-
-/// Lines are in each other's way only within this distance before they are shaped, in steps.
+/// Padding of a tile's shapes in steps: the neighbourhood of a vertex (three edges each way), the same of the lines that it might
+/// meet, and outlines beside these lines.
+const PADDING_STEPS: f64 = 18.0;
+/// Distance in steps around a tile within which outlines are read.
+const OUTLINE_STEPS: f64 = 16.0;
+/// Lines can only meet after smoothing if they are at most this many steps apart before.
 const FARTHEST_STEPS: f64 = 4.0;
-
-/// Tiles on each side whose graphs shapes read.
+/// Number of rings of tiles around a tile whose graphs its shapes read.
 pub(super) const RING: i64 = 2;
 
-/// Where a vertex with two ways went.
+/// The new position of a vertex with two ways.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
-    pub place: Place,
-    /// Whether the corner is rounded off.
+    pub position: Position,
+    /// Whether the corner is rounded.
     pub round: bool,
 }
 
 /// Shapes of the vertices with two ways in one tile.
 #[derive(Default)]
-pub(super) struct Shapes(pub BTreeMap<Key, Shape>);
+pub(super) struct TileShapes(pub BTreeMap<Key, Shape>);
 
-impl Weigh for Shapes {
+impl Weigh for TileShapes {
     fn bytes(&self) -> usize {
         self.0.len() * (size_of::<Key>() + size_of::<Shape>() + 16) + 32
     }
 }
 
+/// The shapes of all tiles, remembered.
+pub(super) struct Shapes {
+    inputs: Arc<Inputs>,
+    built: Arc<BuiltGraphs>,
+    shapes: LayerCache<[i64; 2], TileShapes>,
+}
+
+impl Shapes {
+    pub fn new(inputs: Arc<Inputs>, built: Arc<BuiltGraphs>, budget: Budget) -> Self {
+        Self { inputs, built, shapes: budget.cache(2) }
+    }
+
+    /// The shapes of a tile.
+    pub fn of_tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<TileShapes>, LayerError> {
+        self.shapes.get(&tile.to_array(), || {
+            let around = tiles_around(tile, RING).map(|t| self.built.graph(t, cancel));
+            shapes(&self.inputs, tile, &around.collect::<Result<Vec<_>, _>>()?, cancel)
+        })
+    }
+}
+
 struct Bend {
+    /// Displacement of the vertex.
     by: DVec2,
-    /// How far the line may stray from the lattice's near the vertex.
-    stray: f64,
+    /// How far the line may deviate from its lattice edges near the vertex.
+    deviation: f64,
     /// Vertex before and after.
     around: [Key; 2],
 }
 
-/// The graphs of a tile and those around it, as one.
+/// The graphs of a tile and the tiles around it, as one.
 struct Around<'a> {
     vertices: BTreeMap<Key, &'a Vertex>,
     origin: Origin,
 }
 
 impl Around<'_> {
-    fn ways(&self, key: Key) -> Option<&Vertex> {
+    fn vertex(&self, key: Key) -> Option<&Vertex> {
         self.vertices.get(&key).copied()
     }
 
     /// Box of a way from a vertex, relative to the origin.
     fn bounds(&self, v: &Vertex, way: &Way) -> Bounds {
-        Bounds::of([v.place.local_to(self.origin), way.place.local_to(self.origin)])
+        Bounds::of([v.position.local_to(self.origin), way.position.local_to(self.origin)])
     }
 
-    /// The vertex after `at`, coming from `from`, if the line goes on there.
-    fn beyond(&self, from: Key, at: Key) -> Option<(Key, Place)> {
-        let v = self.ways(at)?;
-        if !v.goes_on() || at.is_gate() {
+    /// The vertex after `at`, coming from `from`, if the line continues there.
+    fn beyond(&self, from: Key, at: Key) -> Option<(Key, Position)> {
+        let v = self.vertex(at)?;
+        if !v.continues() || at.is_gate() {
             return None;
         }
-        v.ways.iter().find(|w| w.to != from).map(|w| (w.to, w.place))
+        v.ways.iter().find(|w| w.to != from).map(|w| (w.to, w.position))
     }
 
     fn bend(&self, key: Key) -> Option<Bend> {
-        let v = self.ways(key).filter(|_| !key.is_gate())?;
+        let v = self.vertex(key).filter(|_| !key.is_gate())?;
         let [a, b] = v.ways.as_slice() else { return None };
-        if !v.goes_on() {
+        if !v.continues() {
             return None;
         }
-        let (pa, pb) = (a.place.from(&v.place), b.place.from(&v.place));
+        let (pa, pb) = (a.position.from(&v.position), b.position.from(&v.position));
         let around = [a.to, b.to];
         let corner = (pa + pb).length() / 8.0;
-        let still = Bend { by: DVec2::ZERO, stray: corner, around };
+        let still = Bend { by: DVec2::ZERO, deviation: corner, around };
         if a.to.is_gate() || b.to.is_gate() {
-            // The tie stays as it was found free.
+            // The tie stays where it was found to be free.
             return Some(still);
         }
         if a.level != 0 || b.level != 0 || angle_between(-pa, pb) > 1.4 {
-            return Some(Bend { stray: 0.0, ..still });
+            return Some(Bend { deviation: 0.0, ..still });
         }
-        // Straight onto a bridge or into a tunnel.
-        let spans = |k: Key| self.ways(k).is_some_and(|v| v.ways.iter().any(|w| w.level != 0));
+        // The road runs straight onto a bridge or into a tunnel.
+        let spans = |k: Key| self.vertex(k).is_some_and(|v| v.ways.iter().any(|w| w.level != 0));
         if spans(a.to) || spans(b.to) {
             return Some(still);
         }
-        // Rows of Pascal's triangle, as many as the line is long on both sides.
+        // Weights from Pascal's triangle: one to three rows, as far as the line continues on both sides.
         let second = (self.beyond(key, a.to), self.beyond(key, b.to));
         let by = match second {
             (Some((ka, a2)), Some((kb, b2))) => {
-                let pairs = (a2.from(&v.place) + b2.from(&v.place), pa + pb);
+                let pairs = (a2.from(&v.position) + b2.from(&v.position), pa + pb);
                 match (self.beyond(a.to, ka), self.beyond(b.to, kb)) {
                     (Some((_, a3)), Some((_, b3))) => {
-                        ((a3.from(&v.place) + b3.from(&v.place)) + pairs.0 * 6.0 + pairs.1 * 15.0) / 64.0
+                        ((a3.from(&v.position) + b3.from(&v.position)) + pairs.0 * 6.0 + pairs.1 * 15.0) / 64.0
                     }
                     _ => (pairs.0 + pairs.1 * 4.0) / 16.0,
                 }
@@ -116,16 +141,16 @@ impl Around<'_> {
     }
 }
 
-/// Shapes of one tile from the graphs of it and the tiles within [`RING`].
-pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: &Cancel) -> Result<Shapes, LayerError> {
+/// Shapes of one tile, from the graphs of the tiles within [`RING`].
+fn shapes(inputs: &Inputs, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: &Cancel) -> Result<TileShapes, LayerError> {
     cancel.check()?;
-    let step = work.settings.step;
+    let step = inputs.step();
     let own = tile_bounds(tile, step);
     let around = Around {
         vertices: graphs.iter().flat_map(|g| g.vertices.iter().map(|(k, v)| (*k, v))).collect(),
         origin: Origin::at(own.min),
     };
-    // Only lines that end in the tile decide about its vertices, and only lines near these can be in their way.
+    // Only lines that end in the tile decide about its vertices, and only lines near these can meet them.
     let beside = |key: &Key, v: &Vertex, all: Bounds| {
         let own = v.ways.iter().filter(|w| key.tile() == tile || w.to.tile() == tile);
         own.fold(all, |all, way| all.union(around.bounds(v, way)))
@@ -142,31 +167,31 @@ pub(super) fn shapes(work: &Work, tile: I64Vec2, graphs: &[Arc<Graph>], cancel: 
             }
         }
     }
-    // A corner's rounding also depends on how far its neighbours move.
+    // The rounding of a corner also depends on how far its neighbours move.
     let moved =
         |k: &Key| bends.get(k).map_or_else(|| around.bend(*k).map_or(0.0, |b| b.by.length()), |b| b.by.length());
-    let stray: BTreeMap<Key, Stray> = bends
+    let deviation: BTreeMap<Key, Deviation> = bends
         .iter()
         .map(|(k, b)| {
             let (own, around) = (b.by.length(), moved(&b.around[0]) + moved(&b.around[1]));
-            let round = b.stray + around / 8.0;
-            (*k, Stray { moved: own + own / 4.0 + round, round })
+            let round = b.deviation + around / 8.0;
+            (*k, Deviation { moved: own + own / 4.0 + round, round })
         })
         .collect();
-    let Kept { still, sharp } = conflicts(work, &around, &bends, &stray, (tile, reached))?;
-    let mut out = Shapes::default();
+    let Kept { still, sharp } = conflicts(inputs, &around, &bends, &deviation, (tile, reached))?;
+    let mut out = TileShapes::default();
     for (key, bend) in bends.iter().filter(|(k, _)| k.tile() == tile) {
-        let Some(v) = around.ways(*key) else { continue };
-        let place = if still.binary_search(key).is_err() { v.place.moved(bend.by) } else { v.place };
-        let round = sharp.binary_search(key).is_err() && bend.stray + bend.by.length() > 0.3;
-        out.0.insert(*key, Shape { place, round });
+        let Some(v) = around.vertex(*key) else { continue };
+        let position = if still.binary_search(key).is_err() { v.position.moved(bend.by) } else { v.position };
+        let round = sharp.binary_search(key).is_err() && bend.deviation + bend.by.length() > 0.3;
+        out.0.insert(*key, Shape { position, round });
     }
     Ok(out)
 }
 
-/// How far the line may stray from the lattice's near a vertex: if it is moved, and if its corner is only rounded off.
+/// How far a line may deviate from its lattice edges near a vertex: if the vertex moves, and if its corner is only rounded.
 #[derive(Clone, Copy, Default)]
-struct Stray {
+struct Deviation {
     moved: f64,
     round: f64,
 }
@@ -175,37 +200,37 @@ struct Line {
     ends: [Key; 2],
     at: [DVec2; 2],
     bounds: Bounds,
-    stray: [Stray; 2],
+    deviation: [Deviation; 2],
     level: i8,
 }
 
-/// Vertices that must stay where they are, and those whose corners must stay sharp too; both sorted.
+/// Vertices that must stay where they are, and vertices whose corners must also stay sharp. Both are sorted.
 struct Kept {
     still: Vec<Key>,
     sharp: Vec<Key>,
 }
 
 impl Line {
-    fn stray(&self, of: fn(&Stray) -> f64) -> f64 {
-        of(&self.stray[0]).max(of(&self.stray[1]))
+    fn most(&self, of: fn(&Deviation) -> f64) -> f64 {
+        of(&self.deviation[0]).max(of(&self.deviation[1]))
     }
 
-    /// Whether two lines might meet.
-    fn clashes(&self, f: &Line, bends: &BTreeMap<Key, Bend>, of: fn(&Stray) -> f64) -> bool {
+    /// Whether two lines might meet after smoothing.
+    fn clashes(&self, f: &Line, bends: &BTreeMap<Key, Bend>, of: fn(&Deviation) -> f64) -> bool {
         match self.ends.iter().position(|k| f.ends.contains(k)) {
-            // Where one passes over the other, they are on two levels.
-            None if self.ends.iter().any(|k| f.ends.iter().any(|o| k.under() == Some(*o) || o.under() == Some(*k))) => {
+            // Where one line passes over the other, they are on two levels.
+            None if self.ends.iter().any(|k| f.ends.iter().any(|o| k.below() == Some(*o) || o.below() == Some(*k))) => {
                 false
             }
             None => {
                 let apart = segment_distance(self.at[0], self.at[1], f.at[0], f.at[1]);
-                apart < self.stray(of) + f.stray(of) + APART
+                apart < self.most(of) + f.most(of) + APART
             }
-            // Neighbours along one line round the same corner off.
+            // Neighbours along one line share the corner that is rounded.
             Some(x) if bends.contains_key(&self.ends[x]) => false,
             Some(x) => {
                 let y = usize::from(f.ends[1] == self.ends[x]);
-                let margin = of(&self.stray[1 - x]) + of(&f.stray[1 - y]) + APART;
+                let margin = of(&self.deviation[1 - x]) + of(&f.deviation[1 - y]) + APART;
                 let off = |p: DVec2, l: &Line| segment_distance(p, p, l.at[0], l.at[1]);
                 off(self.at[1 - x], f).min(off(f.at[1 - y], self)) < margin
             }
@@ -214,37 +239,37 @@ impl Line {
 }
 
 fn conflicts(
-    work: &Work,
+    inputs: &Inputs,
     around: &Around,
     bends: &BTreeMap<Key, Bend>,
-    stray: &BTreeMap<Key, Stray>,
+    deviation: &BTreeMap<Key, Deviation>,
     (tile, reached): (I64Vec2, Bounds),
 ) -> Result<Kept, LayerError> {
-    let step = work.settings.step as f64;
-    let own = tile_bounds(tile, work.settings.step);
+    let step = inputs.step() as f64;
+    let own = tile_bounds(tile, inputs.step());
     let is_own = |line: &Line| line.ends.iter().any(|k| k.tile() == tile);
-    let stray_of = |k: &Key| stray.get(k).copied().unwrap_or_default();
+    let deviation_of = |k: &Key| deviation.get(k).copied().unwrap_or_default();
     let mut lines = Vec::new();
     for (key, v) in &around.vertices {
         for way in v.ways.iter().filter(|w| *key < w.to || !around.vertices.contains_key(&w.to)) {
             if !around.bounds(v, way).overlaps(reached) {
                 continue;
             }
-            let at = [v.place.local_to(around.origin), way.place.local_to(around.origin)];
-            let stray = [stray_of(key), stray_of(&way.to)];
-            let bounds = Bounds::of(at).grown((stray[0].moved.max(stray[1].moved) + APART) / 2.0);
-            lines.push(Line { ends: [*key, way.to], at, bounds, stray, level: way.level });
+            let at = [v.position.local_to(around.origin), way.position.local_to(around.origin)];
+            let deviation = [deviation_of(key), deviation_of(&way.to)];
+            let bounds = Bounds::of(at).grown((deviation[0].moved.max(deviation[1].moved) + APART) / 2.0);
+            lines.push(Line { ends: [*key, way.to], at, bounds, deviation, level: way.level });
         }
     }
     let mut out = Kept { still: Vec::new(), sharp: Vec::new() };
-    let both: [fn(&Stray) -> f64; 2] = [|s| s.moved, |s| s.round];
+    let both: [fn(&Deviation) -> f64; 2] = [|s| s.moved, |s| s.round];
     for (i, e) in lines.iter().enumerate() {
         let beside = is_own(e);
         for f in lines[i + 1..].iter().filter(|f| beside || is_own(f)) {
             if e.level != f.level || !e.bounds.overlaps(f.bounds) {
                 continue;
             }
-            // All four ends stay, so it is their corners alone that might still be too much.
+            // If all four ends stay, only their corners can still make the lines meet.
             for (of, held) in both.into_iter().zip([&mut out.still, &mut out.sharp]) {
                 if e.clashes(f, bends, of) {
                     held.extend(e.ends.iter().chain(&f.ends).filter(|k| bends.contains_key(k)));
@@ -253,20 +278,20 @@ fn conflicts(
         }
     }
     lines.retain(is_own);
-    let reach = Reach::new("roads", own, (PADDING_STEPS + 4.0) * step);
-    for s in work.places.overlapping(reach.check(own.grown((PADDING_STEPS + 2.0) * step))?)? {
+    let reach = Reach::new("roads", own, PADDING_STEPS * step);
+    for s in inputs.settlements.overlapping(reach.check(own.grown(OUTLINE_STEPS * step))?)? {
         let circle = Bounds::square(s.centre.offset_to(around.origin), 2.0 * s.radius);
         if !lines.iter().any(|e| e.bounds.overlaps(circle)) {
             continue;
         }
-        let outline = work.places.outline(&s)?;
+        let outline = inputs.settlements.outline(&s)?;
         let shift = around.origin.offset_to(outline.origin);
         let bounds = outline.bounds().moved(-around.origin.plan());
         for e in lines.iter().filter(|e| e.bounds.overlaps(bounds)) {
             for (of, held) in both.into_iter().zip([&mut out.still, &mut out.sharp]) {
-                let margin = e.stray(of) + APART;
+                let margin = e.most(of) + APART;
                 if let Some(tie) = e.ends.iter().position(|k| k.is_gate()) {
-                    // Only the outer half of a tie is rounded off.
+                    // Only the outer half of a tie is rounded.
                     let outer = e.at[1 - tie] + shift;
                     let half = (e.at[0] + e.at[1]) / 2.0 + shift;
                     if polygon_distance(half, outer, &outline.polygon) < margin {
@@ -285,21 +310,21 @@ fn conflicts(
     Ok(out)
 }
 
-/// Points of a line's corner between the middles of its two sides, before the next corner.
-pub(super) fn corner(before: &Shape, at: &Shape, after: &Shape) -> Vec<Place> {
-    let (a, b) = (before.place.from(&at.place) / 2.0, after.place.from(&at.place) / 2.0);
+/// Points of a corner between the middles of its two sides.
+pub(super) fn corner(before: &Shape, at: &Shape, after: &Shape) -> Vec<Position> {
+    let (a, b) = (before.position.from(&at.position) / 2.0, after.position.from(&at.position) / 2.0);
     if !at.round || (a + b).length() < 1.0 {
-        return vec![at.place];
+        return vec![at.position];
     }
-    // A parabola that begins and ends as far from the corner bends least sharply.
+    // A parabola that begins and ends at the same distance from the corner has the least curvature.
     let reach = a.length().min(b.length());
     let begins = (a.length() - reach > 4.0) || !before.round;
     let ends = (b.length() - reach > 4.0) || !after.round;
     let (a, b) = (a.normalize_or_zero() * reach, b.normalize_or_zero() * reach);
-    // Symmetric in the two sides, so that both directions give the same points.
+    // Symmetric in both sides, so that both directions give the same points.
     let mut points = Vec::new();
     points.extend(begins.then_some(0.0));
     points.extend([0.125, 0.375, 0.625, 0.875]);
     points.extend(ends.then_some(1.0));
-    points.into_iter().map(|t: f64| at.place.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).collect()
+    points.into_iter().map(|t: f64| at.position.moved(a * ((1.0 - t) * (1.0 - t)) + b * (t * t))).collect()
 }

@@ -1,14 +1,15 @@
-//! Persistent way points (Galin 2011, section 4.3): nodes of the proximity graph that the user sets down.
+//! Persistent way points (Galin 2011, section 4.3): nodes of the proximity graph that the user places.
 //!
-//! To roads a way point is a settlement without an outline: they end in the junction there, or pass through it.
+//! For roads, a way point is a settlement of radius 0 without an outline: roads end in the junction there, or pass through it.
 
 use super::lattice::{node_at, node_near};
-use super::places::Places;
-use super::tier_of_class;
+use super::source::SettlementSource;
+use super::tier::tier_of_class;
 use crate::edits::{EditList, RejectedEdit, WayPoint};
 use crate::layer::LayerError;
 use crate::network::SizeClass;
-use crate::region::{Outline, Settlement, SettlementId};
+use crate::region::outline::Outline;
+use crate::region::settlement::{Settlement, SettlementId};
 use crate::space::{Bounds, Origin, point_in_polygon, polygon_distance, stable_hash};
 use crate::terrain::Terrain;
 use glam::DVec2;
@@ -16,66 +17,83 @@ use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 use std::sync::Arc;
 
-/// Marks the ids of way points.
+/// Distinguishes the ids of way points from other hashes.
 const WORD: u64 = 0x0077_6179;
-/// Least distance from outlines and other way points, in steps of the lattice: gates and ties reach two steps out.
+/// Least distance of a way point from outlines and other way points, in steps of the lattice. Gates and ties reach two steps
+/// out.
 const ROOM: f64 = 4.0;
-/// A point at most so many metres from a way point names it.
+/// An edit names a way point by a point at most this many metres from it.
 pub(super) const NAMED: f64 = 100.0;
 
-/// The way points that can stand, sorted by id, each with the index of its edit; and the others.
-pub(super) fn standing(
+/// Indices of positions, found by place.
+type Index = RTree<GeomWithData<[f64; 2], usize>>;
+
+/// A way point as a settlement of radius 0.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedWayPoint {
+    pub settlement: Arc<Settlement>,
+    /// Index of its edit.
+    pub edit: usize,
+}
+
+/// The way points that can be placed, sorted by id, and the edits of those that cannot.
+pub(super) fn place(
     edits: &[WayPoint],
     terrain: &dyn Terrain,
-    places: &dyn Places,
+    settlements: &dyn SettlementSource,
     step: i64,
-) -> (Vec<(Arc<Settlement>, usize)>, Vec<RejectedEdit>) {
-    let mut tree: RTree<GeomWithData<[f64; 2], usize>> = RTree::new();
+) -> (Vec<PlacedWayPoint>, Vec<RejectedEdit>) {
+    let mut placed = Index::new();
     let (mut out, mut rejected) = (Vec::new(), Vec::new());
     let room = ROOM * step as f64;
     for (index, edit) in edits.iter().enumerate() {
         let centre = Origin::at(edit.at + 0.5);
         let at = centre.plan();
-        let beside = tree.nearest_neighbor(at.to_array()).filter(|b| DVec2::from(*b.geom()).distance(at) < room);
-        let reason = match beside {
+        let near = placed.nearest_neighbor(at.to_array()).filter(|b| DVec2::from(*b.geom()).distance(at) < room);
+        let reason = match near {
             Some(other) => Some(format!(
-                "{},{} is less than {room} m from way_points[{}]; allowed is {room} m or more",
+                "{},{} is less than {room} m from way_points[{}]; keep at least {room} m between them",
                 at.x, at.y, other.data
             )),
-            None => unfit(centre, terrain, places, step).unwrap_or_else(|e| Some(e.to_string())),
+            None => unsuitable(centre, terrain, settlements, step).unwrap_or_else(|e| Some(e.to_string())),
         };
-        // Edits are checked: the class is one of roads.
+        // The edits were checked: the class is a class of roads.
         let size = tier_of_class(edit.class).unwrap_or(SizeClass::Village);
         match reason {
             Some(reason) => rejected.push(RejectedEdit { list: EditList::WayPoints, index, reason }),
             None => {
-                tree.insert(GeomWithData::new(at.to_array(), index));
+                placed.insert(GeomWithData::new(at.to_array(), index));
                 let id = SettlementId(stable_hash(&[WORD, centre.0.x as u64, centre.0.y as u64]).max(1));
                 let name = format!("the way point at {},{}", at.x, at.y);
                 let point = Settlement { id, centre, radius: 0.0, size, style: String::new(), name };
-                out.push((Arc::new(point), index));
+                out.push(PlacedWayPoint { settlement: Arc::new(point), edit: index });
             }
         }
     }
-    out.sort_by_key(|(s, _)| s.id);
+    out.sort_by_key(|p| p.settlement.id);
     (out, rejected)
 }
 
-/// Why there can be no way point at a place, if there can be none.
-fn unfit(centre: Origin, terrain: &dyn Terrain, places: &dyn Places, step: i64) -> Result<Option<String>, LayerError> {
+/// Why there can be no way point at a place; `None` if there can be one.
+fn unsuitable(
+    centre: Origin,
+    terrain: &dyn Terrain,
+    settlements: &dyn SettlementSource,
+    step: i64,
+) -> Result<Option<String>, LayerError> {
     let at = centre.plan();
     let node = node_at(node_near(at, step), step);
     if [at, node].iter().any(|p| terrain.sample(*p).depth() > 0.0) {
-        return Ok(Some(format!("{},{} lies in water or at its bank; allowed is land", at.x, at.y)));
+        return Ok(Some(format!("{},{} lies in water or at its bank; a way point needs land", at.x, at.y)));
     }
     let room = ROOM * step as f64;
-    for s in places.overlapping(Bounds::square(at, 2.0 * room))? {
-        let outline = places.outline(&s)?;
+    for s in settlements.overlapping(Bounds::square(at, 2.0 * room))? {
+        let outline = settlements.outline(&s)?;
         let p = centre.offset_to(outline.origin);
         if point_in_polygon(p, &outline.polygon) || polygon_distance(p, p, &outline.polygon) < room {
             let name = &s.name;
             return Ok(Some(format!(
-                "{},{} is less than {room} m from the outline of {name}; allowed is {room} m or more",
+                "{},{} is less than {room} m from the outline of {name}; keep at least {room} m between them",
                 at.x, at.y
             )));
         }
@@ -83,28 +101,31 @@ fn unfit(centre: Origin, terrain: &dyn Terrain, places: &dyn Places, step: i64) 
     Ok(None)
 }
 
-/// Places with way points among them.
-struct Among {
-    places: Arc<dyn Places>,
+/// A source of settlements that also has way points.
+struct WithWayPoints {
+    settlements: Arc<dyn SettlementSource>,
     points: Vec<Arc<Settlement>>,
-    /// Centres, with their index.
-    tree: RTree<GeomWithData<[f64; 2], usize>>,
+    /// Positions of the points.
+    index: Index,
 }
 
-/// The same places with way points, which are sorted by id, among them.
-pub(super) fn among(places: Arc<dyn Places>, points: &[Arc<Settlement>]) -> Arc<dyn Places> {
+/// The same source with way points, which are sorted by id.
+pub(super) fn with_way_points(
+    settlements: Arc<dyn SettlementSource>,
+    points: &[Arc<Settlement>],
+) -> Arc<dyn SettlementSource> {
     if points.is_empty() {
-        return places;
+        return settlements;
     }
     let placed = points.iter().enumerate().map(|(i, s)| GeomWithData::new(s.centre.plan().to_array(), i));
-    let tree = RTree::bulk_load(placed.collect());
-    Arc::new(Among { places, points: points.to_vec(), tree })
+    let index = RTree::bulk_load(placed.collect());
+    Arc::new(WithWayPoints { settlements, points: points.to_vec(), index })
 }
 
-impl Among {
+impl WithWayPoints {
     fn inside(&self, bounds: Bounds) -> impl Iterator<Item = &Arc<Settlement>> {
         let near = AABB::from_corners(bounds.min.to_array(), bounds.max.to_array());
-        self.tree.locate_in_envelope(near).map(|c| &self.points[c.data])
+        self.index.locate_in_envelope(near).map(|c| &self.points[c.data])
     }
 
     fn is_point(&self, s: &Settlement) -> bool {
@@ -112,16 +133,16 @@ impl Among {
     }
 }
 
-impl Places for Among {
+impl SettlementSource for WithWayPoints {
     fn centred_in_of(&self, bounds: Bounds, size: SizeClass) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        let mut out = self.places.centred_in_of(bounds, size)?;
+        let mut out = self.settlements.centred_in_of(bounds, size)?;
         out.extend(self.inside(bounds).filter(|s| s.size == size).cloned());
         out.sort_by_key(|s| s.id);
         Ok(out)
     }
 
     fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
-        let mut out = self.places.overlapping(bounds)?;
+        let mut out = self.settlements.overlapping(bounds)?;
         out.extend(self.inside(bounds.grown(NAMED)).cloned());
         out.sort_by_key(|s| s.id);
         Ok(out)
@@ -131,10 +152,10 @@ impl Places for Among {
         if self.is_point(s) {
             return Ok(Arc::new(Outline { origin: s.centre, polygon: Vec::new(), shared: Vec::new(), river: None }));
         }
-        self.places.outline(s)
+        self.settlements.outline(s)
     }
 
     fn touch(&self, a: &Settlement, b: &Settlement) -> Result<bool, LayerError> {
-        if self.is_point(a) || self.is_point(b) { Ok(false) } else { self.places.touch(a, b) }
+        if self.is_point(a) || self.is_point(b) { Ok(false) } else { self.settlements.touch(a, b) }
     }
 }

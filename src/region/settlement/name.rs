@@ -1,4 +1,4 @@
-//! Names of places, put together from syllables.
+//! Names of settlements, made from syllables.
 
 use crate::network::SizeClass;
 use crate::space::Stream;
@@ -24,12 +24,12 @@ fn pick<'a>(stream: &mut Stream, from: &[&'a str]) -> &'a str {
     from[stream.index(from.len())]
 }
 
-/// A name for a place of this size.
-pub(super) fn place_name(stream: &mut Stream, size: SizeClass) -> String {
+/// A name for a settlement of a size.
+pub(super) fn settlement_name(stream: &mut Stream, size: SizeClass) -> String {
     let mut root = String::new();
     let syllables = if stream.chance(0.2) { 2 } else { 1 };
     for i in 0..syllables {
-        // Inside a name neither vowels meet nor many consonants.
+        // Inside a name, neither two vowels nor many consonants meet.
         let onset = loop {
             let onset = pick(stream, &ONSETS);
             if i == 0 || onset.len() == 1 {
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn names_are_words_and_seldom_the_same() {
         let mut names: Vec<String> =
-            (0..2000).map(|i| place_name(&mut Seed(4).stream("test", &[i]), SizeClass::Village)).collect();
+            (0..2000).map(|i| settlement_name(&mut Seed(4).stream("test", &[i]), SizeClass::Village)).collect();
         for name in &names {
             assert!((4..=24).contains(&name.len()), "{name}");
             assert!(name.split(' ').all(|w| w.chars().next().is_some_and(char::is_uppercase)), "{name}");

@@ -1,73 +1,45 @@
 //! Settings of settlements.
 
+use super::model::PerSize;
 use crate::edits::SETTLEMENT_RADII;
 use crate::layer::RangeError;
 use crate::network::SizeClass;
 use crate::space::Stream;
 use serde::{Deserialize, Serialize};
 
-/// A value for each size class.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
-#[serde(deny_unknown_fields)]
-pub struct PerSize<T> {
-    /// Of cities.
-    pub city: T,
-    /// Of towns.
-    pub town: T,
-    /// Of villages.
-    pub village: T,
-}
-
-impl<T> PerSize<T> {
-    /// The value of a size class.
-    pub fn of(&self, size: SizeClass) -> &T {
-        match size {
-            SizeClass::City => &self.city,
-            SizeClass::Town => &self.town,
-            SizeClass::Village => &self.village,
-        }
-    }
-
-    /// One value from each size class, cities first.
-    pub(super) fn from_fn(mut make: impl FnMut(SizeClass) -> T) -> Self {
-        Self { city: make(SizeClass::City), town: make(SizeClass::Town), village: make(SizeClass::Village) }
-    }
-}
-
-/// Settings of settlements. Lengths in metres.
+/// Settings of settlements. Lengths are in metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct SettlementSettings {
-    /// Edge of a lattice cell, each of which holds at most one settlement: from 1.2 times the greatest radius to 1,000,000.
-    /// Below twice the radius settlements of one tier may touch, as far as `clearance` and `gap` let them.
+    /// Edge length of a lattice cell, which holds at most one settlement: from 1.2 times the greatest radius to 1,000,000. If it is
+    /// below twice the radius, settlements of one tier may touch, as far as `clearance` and `gap` allow it.
     pub spacing: PerSize<f64>,
     /// Least and greatest radius: 120 to 5,000.
     pub radius: PerSize<(f64, f64)>,
-    /// Share of the lattice cells that are tried: 0 to 1.
+    /// Share of the lattice cells that may hold a settlement: 0 to 1.
     pub share: PerSize<f64>,
-    /// Names of styles and how often each is chosen, as weights: at least one, not all 0.
+    /// Names of styles, each with a weight that tells how often it is chosen: at least one, not all weights 0.
     pub styles: PerSize<Vec<(String, f64)>>,
-    /// Name of the style of cities and towns on steep ground, and the mean slope (0 to 1) from which ground is steep. With
-    /// an empty name these are drawn like all others.
+    /// Name of the style of cities and towns on steep ground, and the mean slope (0 to 1) from which ground counts as steep. If the
+    /// name is empty, steep ground makes no difference.
     pub steep: (String, f64),
-    /// How far a settlement strays from the middle of its cell: 0 is a chessboard, 0.9 the whole cell.
+    /// How far a settlement may lie from the middle of its cell: from 0 (a regular grid) to 0.9 (almost anywhere in the cell).
     pub jitter: f64,
     /// Greatest mean slope of a settlement's ground: 0.01 to 0.5.
     pub max_slope: f64,
-    /// Greatest height of a centre above the sea: 0 to 10,000.
+    /// Greatest height of a centre above sea level: 0 to 10,000.
     pub max_height: f64,
-    /// Share of its radius that an outline reaches on average where nothing hinders it: 0.7 (ragged, with room between
-    /// neighbours) to 0.98 (round, touching what it can).
+    /// Average distance of an outline from the centre where nothing limits it, as a share of the radius: from 0.7 (ragged, with
+    /// room between neighbours) to 0.98 (round, touching its neighbours where it can).
     pub fullness: f64,
-    /// Least distance of two centres in sums of their radii: 0.5 to 4. Below 1 settlements may touch: what they share of
-    /// the line between them becomes a main street of both, and they grow into one city.
+    /// Least distance between two centres, as a multiple of the sum of their radii: 0.5 to 4. Below 1, settlements may touch: the
+    /// border that they share becomes a main street of both, and they grow into one city.
     pub clearance: f64,
-    /// What is added to that: 0 to 10,000.
+    /// Distance that is added to the least distance: 0 to 10,000.
     pub gap: f64,
-    /// Greatest width of a river that towns and cities spread over, with bridges: 0 (they end at every water) to 200.
-    /// Lakes and the sea always end them.
+    /// Greatest width of a river that towns and cities spread across, with bridges: from 0 (they end at every river) to 200. They
+    /// always end at lakes and the sea.
     pub widest_river: f64,
 }
 
@@ -96,7 +68,11 @@ impl Default for SettlementSettings {
 }
 
 impl SettlementSettings {
-    /// Checks that every value lies in its range; NaN lies in none.
+    /// Checks that every value lies in its range.
+    ///
+    /// # Errors
+    ///
+    /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
         let range = RangeError::check;
         for size in SizeClass::ALL {
@@ -129,26 +105,26 @@ impl SettlementSettings {
         range("widest_river", self.widest_river, 0.0, 200.0)
     }
 
-    /// Names of the styles that settlements may get.
+    /// Names of all styles that settlements may get.
     pub fn style_names(&self) -> impl Iterator<Item = &str> {
         let steep = Some(self.steep.0.as_str()).filter(|name| !name.is_empty());
         SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str()).chain(steep)
     }
 
-    /// The style that the slope of its ground gives a settlement, if it does.
+    /// The style that a settlement gets because of the mean slope of its ground, if that is steep.
     pub(super) fn style_on_slope(&self, size: SizeClass, slope: f64) -> Option<String> {
         let (name, least) = &self.steep;
         (size != SizeClass::Village && !name.is_empty() && slope >= *least).then(|| name.clone())
     }
 
-    /// A style for a settlement of a size, as the weights have it.
+    /// Draws a style for a settlement of a size by the weights.
     pub(super) fn draw_style(&self, stream: &mut Stream, size: SizeClass) -> String {
         let styles = self.styles.of(size);
         let weights: Vec<f64> = styles.iter().map(|style| style.1).collect();
         stream.weighted(&weights).map(|i| styles[i].0.clone()).unwrap_or_default()
     }
 
-    /// Greatest radius of any settlement, in metres.
+    /// Largest radius of any settlement, in metres.
     pub fn largest_radius(&self) -> f64 {
         self.radius.city.1.max(self.radius.town.1).max(self.radius.village.1)
     }

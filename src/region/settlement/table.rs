@@ -1,33 +1,34 @@
 //! Settlements of a finite domain, from a CSV file.
 
+use super::model::{Settlement, SettlementId};
+use super::settings::SettlementSettings;
 use crate::edits::SETTLEMENT_RADII;
 use crate::layer::{FileError, RangeError, quoted};
 use crate::network::SizeClass;
-use crate::region::{Settlement, SettlementId, SettlementSettings};
 use crate::space::{Bounds, Geographic, Origin, stable_hash};
 use csv_core::ReadFieldResult;
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-/// Coordinates may be this far from 0, in metres.
+/// Greatest absolute value of a coordinate, in metres.
 const FARTHEST: f64 = 1e10;
-/// Bytes that a name may have.
+/// Greatest length of a name in bytes.
 const LONGEST_NAME: usize = 200;
-/// Inhabitants that a settlement may have.
+/// Least and greatest number of inhabitants.
 const INHABITANTS: (f64, f64) = (0.0, 1e8);
 
-/// What makes a size class of a number of inhabitants.
+/// Size classes by number of inhabitants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Populations {
-    /// Inhabitants from which on a settlement is a town.
+    /// Least number of inhabitants of a town.
     pub town: f64,
-    /// Inhabitants from which on it is a city.
+    /// Least number of inhabitants of a city.
     pub city: f64,
 }
 
 impl Default for Populations {
-    /// A town from 2,000 inhabitants on, a city from 20,000.
+    /// Towns have at least 2,000 inhabitants, cities at least 20,000.
     fn default() -> Self {
         Self { town: 2_000.0, city: 20_000.0 }
     }
@@ -45,14 +46,14 @@ impl Populations {
     }
 }
 
-/// A settlement and where its file has it.
+/// A settlement and its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SettlementRow {
     /// The settlement.
     pub settlement: Settlement,
     /// Line of the file, from 1.
     pub line: usize,
-    /// Column of its first coordinate, from 1.
+    /// Column of the settlement's first coordinate in that line, from 1.
     pub column: usize,
 }
 
@@ -61,24 +62,28 @@ pub struct SettlementRow {
 pub struct SettlementTable {
     /// Name of the file as it was given.
     pub file: String,
-    /// At least one; names and places differ.
+    /// At least one row. No two rows have the same name or position.
     pub rows: Vec<SettlementRow>,
 }
 
 impl SettlementTable {
-    /// Reads a CSV file (RFC 4180, UTF-8); `file` is only named in errors. Its first line names the columns, in any order:
+    /// Reads a CSV file (RFC 4180, UTF-8). `file` is only named in errors. The first line names the columns, in any order:
     ///
-    /// | column | |
+    /// | column | meaning |
     /// |---|---|
-    /// | `name` | unlike all others |
-    /// | `x`, `y` | centre in plan metres, rounded to whole ones; with `geographic`, longitude and latitude in degrees, then also called `lon`, `lat` |
+    /// | `name` | name of the settlement, different in every row |
+    /// | `x`, `y` | centre in plan metres, rounded to whole metres; with `geographic`, longitude and latitude in degrees, and the columns may also be called `lon`, `lat` |
     /// | `sigma` | size class: 0 village, 1 town, 2 city |
-    /// | `population` | in place of `sigma`: inhabitants, 0 to 100,000,000, of which [`Populations`] make a size class |
-    /// | `radius_m` | need not be there, may be empty: radius in metres, 120 to 5,000 |
+    /// | `population` | instead of `sigma`: number of inhabitants, 0 to 100,000,000, from which [`Populations`] give the size class |
+    /// | `radius_m` | optional, and may be empty: radius in metres, 120 to 5,000 |
     ///
-    /// Where no radius is given it is the middle of the range that `settings` have for the size class; the style is the first
-    /// that they have for it. Ids come from the names alone, so that rows may be moved and added. Fails on other columns, on
-    /// numbers that are none or out of range, and on two settlements of one name or place.
+    /// A settlement without a radius gets the middle of the range that `settings` have for its size class. Its style is the first
+    /// one that they have for the class. Ids depend on names only, so rows may be moved and added.
+    ///
+    /// # Errors
+    ///
+    /// Fails on unknown or missing columns, on values that are not numbers or out of range, and on two settlements with the same
+    /// name or position. Errors name the line and column.
     pub fn from_csv(
         file: &str,
         content: &[u8],
@@ -88,7 +93,11 @@ impl SettlementTable {
         Self::from_csv_by(file, content, settings, geographic, &Populations::default())
     }
 
-    /// The same, with size classes that are not the default for a column of inhabitants.
+    /// The same with other size classes for a column of inhabitants.
+    ///
+    /// # Errors
+    ///
+    /// Fails for the reasons of [`from_csv`](Self::from_csv).
     pub fn from_csv_by(
         file: &str,
         content: &[u8],
@@ -99,7 +108,7 @@ impl SettlementTable {
         let records = Records { file, content };
         let mut lines = records.read()?.into_iter();
         let head =
-            lines.next().ok_or_else(|| records.error(0, "the file is empty; its first line names the columns"))?;
+            lines.next().ok_or_else(|| records.error(0, "the file is empty; its first line must name the columns"))?;
         let columns = Columns::new(&records, &head, geographic.is_some())?;
         let mut rows: Vec<SettlementRow> = Vec::new();
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
@@ -108,23 +117,27 @@ impl SettlementTable {
             let row = columns.row(&records, &fields, settings, geographic, populations)?;
             let again = |what: &str, of: usize, at: usize| {
                 let first = rows.get(of).map_or(0, |r| r.line);
-                records.error(at, format!("{what} of line {first} again; allowed is each once"))
+                records.error(at, format!("line {first} has the same {what}; each {what} may occur once"))
             };
             if let Some(of) = names.insert(row.settlement.name.clone(), rows.len()) {
-                return Err(again("the name", of, fields[columns.name].at));
+                return Err(again("name", of, fields[columns.name].at));
             }
             if let Some(of) = places.insert(row.settlement.centre.0.to_array(), rows.len()) {
-                return Err(again("the place", of, fields[columns.x].at));
+                return Err(again("position", of, fields[columns.x].at));
             }
             rows.push(row);
         }
         if rows.is_empty() {
-            return Err(records.error(content.len(), "no settlement follows the names of the columns"));
+            return Err(records.error(content.len(), "the file has column names but no settlement"));
         }
         Ok(Self { file: file.to_owned(), rows })
     }
 
-    /// Fails on the first settlement whose centre lies outside of `domain` (plan metres), at its place in the file.
+    /// Checks that all settlements lie in `domain` (plan metres).
+    ///
+    /// # Errors
+    ///
+    /// Names the first settlement whose centre lies outside, with its line and column.
     pub fn check_inside(&self, domain: Bounds) -> Result<(), FileError> {
         let Some(row) = self.rows.iter().find(|r| !domain.contains(r.settlement.centre.plan())) else { return Ok(()) };
         let (at, low, high) = (row.settlement.centre.plan(), domain.min, domain.max);
@@ -136,13 +149,13 @@ impl SettlementTable {
         Err(FileError { file: self.file.clone(), line: row.line, column: row.column, reason })
     }
 
-    /// The settlements alone.
+    /// The settlements, without their positions in the file.
     pub fn settlements(&self) -> impl Iterator<Item = &Settlement> {
         self.rows.iter().map(|r| &r.settlement)
     }
 }
 
-/// A field of a record, without quotes and blanks around it.
+/// A field of a record, without the quotes and blanks around it.
 struct Field {
     /// Byte in the file, and line from 1.
     at: usize,
@@ -150,7 +163,7 @@ struct Field {
     text: String,
 }
 
-/// A CSV file and its name, for errors.
+/// A CSV file and its name, for error messages.
 struct Records<'a> {
     file: &'a str,
     content: &'a [u8],
@@ -163,15 +176,15 @@ impl Records<'_> {
 
     /// All records, without empty lines.
     fn read(&self) -> Result<Vec<Vec<Field>>, FileError> {
-        // With a line break at the end, nothing but an open quote can make the last field end with the file.
+        // With a line break at the end, only an open quote can make the last field end with the file.
         let mut rest = self.content.to_vec();
         rest.push(b'\n');
-        // A field is never longer than what it is read from.
+        // A field is never longer than the file.
         let mut buffer = vec![0; rest.len()];
         let mut reader = csv_core::Reader::new();
         let (mut records, mut record) = (Vec::new(), Vec::new());
         let (mut at, mut last) = (0, 0);
-        // Lines are counted on the way: from the start for each row, a long file would take hours.
+        // Lines are counted on the way. Counting from the start for each row would take hours for a long file.
         let (mut line, mut counted) = (1, 0);
         loop {
             let (result, read, written) = reader.read_field(&rest[at..], &mut buffer);
@@ -180,7 +193,7 @@ impl Records<'_> {
                 ReadFieldResult::End => return Ok(records),
                 ReadFieldResult::Field { .. } if read == 0 && at == rest.len() => {
                     return Err(
-                        self.error(self.start(last, record.is_empty()), "the quote that opens here is not closed")
+                        self.error(self.start(last, record.is_empty()), "the quote that opens here is never closed")
                     );
                 }
                 ReadFieldResult::Field { record_end } => {
@@ -197,8 +210,8 @@ impl Records<'_> {
         }
     }
 
-    /// Where a field begins that is read from a byte on: behind blanks, and if it is the first of its record behind a byte
-    /// order mark or the line breaks before it.
+    /// First byte of a field that is read from byte `at` on: after blanks and, if the field is the first of its record, after a byte
+    /// order mark and line breaks.
     fn start(&self, at: usize, first: bool) -> usize {
         let mark: &[u8] = b"\xef\xbb\xbf";
         let at = if at == 0 && self.content.starts_with(mark) { mark.len() } else { at };
@@ -207,7 +220,8 @@ impl Records<'_> {
     }
 
     fn text(&self, at: usize, content: &[u8]) -> Result<String, FileError> {
-        let text = std::str::from_utf8(content).map_err(|_| self.error(at, "not UTF-8; allowed is text in UTF-8"))?;
+        let text =
+            std::str::from_utf8(content).map_err(|_| self.error(at, "this is not UTF-8; save the file as UTF-8"))?;
         Ok(text.trim().to_owned())
     }
 
@@ -218,7 +232,7 @@ impl Records<'_> {
     }
 }
 
-/// Which field of a record is what.
+/// The meaning of the fields of a record, by index.
 struct Columns {
     names: Vec<String>,
     name: usize,
@@ -228,7 +242,7 @@ struct Columns {
     radius: Option<usize>,
 }
 
-/// The column that tells a settlement's size.
+/// The column that gives the size of a settlement.
 #[derive(Clone, Copy)]
 enum Size {
     Sigma(usize),
@@ -255,11 +269,13 @@ impl Columns {
             let Some((name, which)) = known.iter().find(|(name, _)| field.text.eq_ignore_ascii_case(name)) else {
                 let names: Vec<&str> = known.iter().map(|k| k.0).collect();
                 let text = quoted(field.text.as_bytes());
-                let reason = format!("{text} is no column; columns are {}, with commas between", names.join(" "));
+                let reason =
+                    format!("{text} is not a column; the columns are {}, separated by commas", names.join(" "));
                 return Err(records.error(field.at, reason));
             };
             if found[*which].replace(i).is_some() {
-                return Err(records.error(field.at, format!("{name} is a second column for one thing; allowed is one")));
+                return Err(records
+                    .error(field.at, format!("{name} gives the same value as an earlier column; keep one of them")));
             }
         }
         let need = |which: usize| {
@@ -270,14 +286,14 @@ impl Columns {
         };
         let size = match (found[3], found[5]) {
             (Some(_), Some(population)) => {
-                let reason = "population is given besides sigma; allowed is one of them";
+                let reason = "population is given in addition to sigma; give only one of them";
                 return Err(records.error(head[population].at, reason));
             }
             (Some(sigma), None) => Size::Sigma(sigma),
             (None, Some(population)) => Size::Population(population),
             (None, None) => {
                 let at = head.first().map_or(0, |f| f.at);
-                return Err(records.error(at, "the column sigma, or population in its place, is missing"));
+                return Err(records.error(at, "the column sigma or population is missing"));
             }
         };
         let names = head.iter().map(|f| f.text.clone()).collect();
@@ -296,14 +312,17 @@ impl Columns {
         if has != needs {
             let at = fields.get(needs).or(fields.first()).map_or(0, |f| f.at);
             return Err(
-                records.error(at, format!("this line has {has} fields; allowed is one for each of {needs} columns"))
+                records.error(at, format!("this line has {has} fields; it needs one for each of the {needs} columns"))
             );
         }
         let wrong = |column: usize, reason: &dyn Display| records.error(fields[column].at, reason);
         let number = |column: usize, (low, high): (f64, f64)| {
             let (name, text) = (&self.names[column], &fields[column].text);
             let value: f64 = text.parse().map_err(|_| {
-                wrong(column, &format!("{name} is {}; allowed is a number, {low} to {high}", quoted(text.as_bytes())))
+                wrong(
+                    column,
+                    &format!("{name} is {}; it must be a number from {low} to {high}", quoted(text.as_bytes())),
+                )
             })?;
             RangeError::check(name, value, low, high).map_err(|e| wrong(column, &e))?;
             Ok(value)
@@ -312,7 +331,7 @@ impl Columns {
         let name = &fields[self.name].text;
         if name.is_empty() || name.len() > LONGEST_NAME || name.contains(char::is_control) {
             let quoted = quoted(name.as_bytes());
-            let reason = format!("name is {quoted}; allowed are 1 to {LONGEST_NAME} bytes on one line");
+            let reason = format!("name is {quoted}; it must have 1 to {LONGEST_NAME} bytes on one line");
             return Err(wrong(self.name, &reason));
         }
         let size = match self.size {
@@ -323,7 +342,7 @@ impl Columns {
                 "2" => SizeClass::City,
                 other => {
                     let other = quoted(other.as_bytes());
-                    let reason = format!("sigma is {other}; allowed is 0 (village), 1 (town) or 2 (city)");
+                    let reason = format!("sigma is {other}; it must be 0 (village), 1 (town) or 2 (city)");
                     return Err(wrong(column, &reason));
                 }
             },

@@ -1,28 +1,28 @@
-//! Reading ESRI ASCII grids (`.asc`), as GDAL and most surveys write them.
+//! Reading of ESRI ASCII grids (`.asc`), as GDAL and most surveys write them.
 //!
-//! A header of keys and numbers, then the numbers of the cells from the northernmost row on. The format allows any line
-//! breaks between these; but where lines hold rows, which is usual, a line that does not is an error.
+//! A header of keys and numbers is followed by the values of the cells, from the northernmost row on. The format allows any line
+//! breaks between them. But where most lines hold one row, as usual, a line that does not is an error.
 
-use super::grid::{check_place, count};
-use super::{Band, Holes, Raster, holes};
+use super::grid::{Band, Raster, check_place, count};
+use super::holes::{self, Holes};
 use crate::layer::{FileError, quoted};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
-/// What a cell without a number holds if the header does not say.
+/// The number in cells without a value, if the header names none.
 const MISSING: f64 = -9999.0;
 /// Keys of the header.
 const KEYS: [&str; 10] =
     ["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
 
-/// A piece of the file between blanks.
+/// A part of the file between blanks.
 #[derive(Clone, Copy, Debug)]
 struct Word<'a> {
     text: &'a [u8],
     /// Byte in the file.
     at: usize,
-    /// Line breaks before it.
+    /// Number of line breaks before the word.
     line: usize,
 }
 
@@ -54,7 +54,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// A file and its name, for errors.
+/// A file and its name, for error messages.
 #[derive(Clone, Copy)]
 struct File<'a> {
     name: &'a str,
@@ -67,12 +67,13 @@ impl File<'_> {
     }
 }
 
-/// What the header says.
+/// The header of a file.
 struct Header {
     columns: usize,
     rows: usize,
     corner: DVec2,
     step: DVec2,
+    /// The number in cells without a value.
     missing: f64,
 }
 
@@ -81,7 +82,7 @@ impl Header {
         self.columns * self.rows
     }
 
-    /// Row and column, from 1, of the cell that is `n`th in the file.
+    /// Row and column, from 1, of the cell at the index `n` in the file.
     fn cell(&self, n: usize) -> String {
         format!("row {}, column {}", n / self.columns + 1, n % self.columns + 1)
     }
@@ -93,14 +94,18 @@ impl Header {
 
 impl Raster {
     /// Reads an ESRI ASCII grid: `ncols nrows`, `xllcorner` or `xllcenter`, `yllcorner` or `yllcenter`, `cellsize` or `dx dy`,
-    /// and `NODATA_value` (default -9999), in any order and case, then the numbers. `file` is only named in errors.
+    /// and `NODATA_value` (default -9999), in any order and case, then the values. `file` is only named in errors.
     ///
-    /// A grid in degrees is read as it is and moved to plan metres by [`Raster::projected`]. Fails on anything that is not a
-    /// number of the `band`, and on cells without a number unless `holes` says what to put there. What is allocated is
-    /// bounded by the length of `content`, whatever the header says.
+    /// A grid in degrees is read as it is; [`Raster::projected`] moves it to plan metres. Memory is bounded by the length of
+    /// `content`, whatever the header says.
+    ///
+    /// # Errors
+    ///
+    /// Fails on everything that is not a value of the `band`, and on cells without a value unless `holes` says how to fill them.
+    /// Errors name the line and column.
     pub fn from_ascii(file: &str, content: &[u8], band: Band, holes: Holes) -> Result<Self, FileError> {
         let file = File { name: file, content };
-        // Some editors put this mark before a text.
+        // Some editors put a byte order mark before a text.
         let at = if content.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut words = Words { content, at, line: 0 };
         let header = header(&file, &mut words)?;
@@ -121,7 +126,8 @@ fn header(file: &File<'_>, words: &mut Words<'_>) -> Result<Header, FileError> {
             break;
         }
         let Some(key) = KEYS.into_iter().find(|k| word.text.eq_ignore_ascii_case(k.as_bytes())) else {
-            let reason = format!("{} is no number and no key; keys are {}", quoted(word.text), KEYS.join(" "));
+            let reason =
+                format!("{} is neither a number nor a key; the keys are {}", quoted(word.text), KEYS.join(" "));
             return Err(file.error(word.at, reason));
         };
         let after = words.next();
@@ -136,13 +142,15 @@ fn header(file: &File<'_>, words: &mut Words<'_>) -> Result<Header, FileError> {
     let end = words.clone().next().map_or(file.content.len(), |w| w.at);
     let missing = |keys: &str| file.error(end, format!("the header ends without {keys}"));
     let twice = |a: &str, b: &str| match (found.get(a), found.get(b)) {
-        (Some(_), Some((word, _))) => Err(file.error(word.at, format!("{b} is given besides {a}; allowed is one"))),
+        (Some(_), Some((word, _))) => {
+            Err(file.error(word.at, format!("{b} is given in addition to {a}; give only one of them")))
+        }
         (first, second) => Ok(first.or(second).copied()),
     };
     let whole = |key: &str| {
         let &(word, value) = found.get(key).ok_or_else(|| missing(key))?;
         if value.fract() != 0.0 || !(2.0..1e9).contains(&value) {
-            return Err(file.error(word.at, format!("{key} is {value}; allowed is a whole number, 2 or more")));
+            return Err(file.error(word.at, format!("{key} is {value}; it must be a whole number of at least 2")));
         }
         Ok((word, value as usize))
     };
@@ -161,7 +169,7 @@ fn header(file: &File<'_>, words: &mut Words<'_>) -> Result<Header, FileError> {
         })?;
     }
     let step = DVec2::new(dx.1, dy.1);
-    // Where the middle of a cell is given, its corner lies half a cell further south-west.
+    // If the centre of a cell is given, its corner lies half a cell to the south-west.
     let low = |corner: &str, centre: &str, step: f64| {
         let (word, value) = twice(corner, centre)?.ok_or_else(|| missing(&format!("{corner} or {centre}")))?;
         check_place(DVec2::splat(value), DVec2::ONE).map_err(|e| {
@@ -175,15 +183,15 @@ fn header(file: &File<'_>, words: &mut Words<'_>) -> Result<Header, FileError> {
     Ok(Header { columns, rows, corner, step, missing })
 }
 
-/// What lines hold.
+/// How the numbers are spread over lines.
 #[derive(Default)]
 struct Lines {
-    /// Lines that hold as many numbers as a row, and others, without empty ones.
+    /// Number of lines that hold as many numbers as a row, and of other lines that are not empty.
     whole: usize,
     other: usize,
-    /// First byte, and count of numbers, of the line that is read.
+    /// First byte, and count of numbers, of the current line.
     open: Option<(usize, usize)>,
-    /// First byte, place among all lines, and count of numbers of the first line that holds no row.
+    /// First byte, index among all lines, and count of numbers of the first line that does not hold a row.
     first_other: Option<(usize, usize, usize)>,
 }
 
@@ -199,7 +207,7 @@ impl Lines {
     }
 }
 
-/// Reads the numbers: rows from the south, as a raster holds them.
+/// Reads the values. The result has the order of a raster: rows from south to north.
 fn numbers(
     file: &File<'_>,
     header: &Header,
@@ -208,7 +216,7 @@ fn numbers(
     holes: Holes,
 ) -> Result<Vec<f32>, FileError> {
     let cells = header.cells();
-    // A number takes two bytes at least.
+    // A number takes at least two bytes.
     let mut values: Vec<f32> = Vec::with_capacity(cells.min((file.content.len() - words.at) / 2 + 1));
     let (mut lines, mut line) = (Lines::default(), usize::MAX);
     let (mut first_hole, mut hole_count, mut surplus) = (None, 0usize, None);
@@ -224,8 +232,8 @@ fn numbers(
         }
         let wrong = |reason: &dyn Display| file.error(word.at, format!("{}: {reason}", header.cell(values.len())));
         let number = word.number().ok_or_else(|| {
-            let comma = if word.text.contains(&b',') { ", with a point for decimals" } else { "" };
-            wrong(&format!("{} is no number; allowed are numbers apart by blanks{comma}", quoted(word.text)))
+            let comma = if word.text.contains(&b',') { ", and a decimal point instead of a comma" } else { "" };
+            wrong(&format!("{} is not a number; the file needs numbers separated by blanks{comma}", quoted(word.text)))
         })?;
         if header.is_missing(number) {
             first_hole = first_hole.or(Some((word.at, values.len())));
@@ -238,30 +246,29 @@ fn numbers(
     }
     lines.close(header.columns);
     let (columns, rows, end) = (header.columns, header.rows, file.content.len());
-    // Otherwise lines break anywhere, and only the sum counts.
+    // If lines do not hold rows, only the total number of values counts.
     let lines_are_rows = lines.whole >= lines.other;
     if let (Some((at, row, count)), true) = (lines.first_other, lines_are_rows) {
-        return Err(file.error(at, format!("row {row} holds {count} numbers; ncols is {columns}")));
+        return Err(file.error(at, format!("row {row} has {count} numbers; ncols is {columns}")));
     }
     if values.len() < cells {
         let rows_read = values.len() / columns;
         let reason =
-            format!("the file ends after {} numbers, {rows_read} of {rows} rows; {cells} belong here", values.len());
+            format!("the file ends after {} numbers ({rows_read} of {rows} rows); it needs {cells}", values.len());
         return Err(file.error(end, reason));
     }
     if let Some(at) = surplus {
-        return Err(
-            file.error(at, format!("numbers go on after {rows} rows of {columns}, all that nrows and ncols say"))
-        );
+        return Err(file
+            .error(at, format!("numbers continue after the {rows} rows of {columns} that nrows and ncols announce")));
     }
     if let Some((at, n)) = first_hole {
         match holes {
             Holes::Refuse => {
                 let reason = format!(
-                    "{}: no {} here, nor in {} more of {cells} cells (each holds {}); fill them, or say what to put there",
+                    "{}: this cell and {} more of {cells} cells have no {} (they hold {}); fill them, or say how to fill them",
                     header.cell(n),
-                    band.name(),
                     hole_count - 1,
+                    band.name(),
                     header.missing,
                 );
                 return Err(file.error(at, reason));
@@ -271,8 +278,7 @@ fn numbers(
             }
             Holes::FromNeighbours => holes::from_neighbours(&mut values, columns),
             Holes::Value(value) => {
-                band.check(value)
-                    .map_err(|e| file.error(at, format!("what to put into cells without a number: {e}")))?;
+                band.check(value).map_err(|e| file.error(at, format!("the value for cells without a value: {e}")))?;
                 values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = value as f32);
             }
         }

@@ -1,15 +1,15 @@
-//! Rasters: numbers on a rectangular grid over a piece of the plan.
+//! Rasters: values on a rectangular grid over a part of the plan.
 
 use crate::layer::RangeError;
 use crate::space::{Bounds, Geographic};
 use glam::DVec2;
 
-/// Cells that a raster may have: 64 Mi.
+/// Greatest number of cells of a raster: 64 Mi.
 pub const MOST_CELLS: usize = 64 << 20;
-/// Cells of a raster in plan metres are at least this wide.
+/// Least width of a cell of a raster in plan metres.
 const LEAST_STEP: f64 = 0.1;
 
-/// What the numbers of a raster mean.
+/// What the values of a raster mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Band {
     /// Heights in metres: -100,000 to 100,000.
@@ -30,7 +30,7 @@ impl Band {
         }
     }
 
-    /// What one value is called.
+    /// What a value of the band is called.
     pub fn name(self) -> &'static str {
         match self {
             Self::Height => "height",
@@ -39,15 +39,15 @@ impl Band {
         }
     }
 
-    /// Fails on a value out of range; NaN is.
+    /// Fails if a value is out of range or NaN.
     pub(super) fn check(self, value: f64) -> Result<(), RangeError> {
         let (low, high) = self.range();
         RangeError::check(self.name(), value, low, high)
     }
 }
 
-/// Numbers at the middles of the cells of a grid, with the place of the grid: in plan metres, or in degrees until it is
-/// [projected](Self::projected). Numbers are kept in 32 bits, which is half a millimetre at the height of the highest peaks.
+/// Values at the centres of the cells of a grid, and the position of the grid: in plan metres, or in degrees until it is
+/// [projected](Self::projected). Values are stored in 32 bits; at the height of the highest peaks that is half a millimetre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     pub(super) columns: usize,
@@ -55,21 +55,25 @@ pub struct Raster {
     /// South-west corner of the south-west cell.
     pub(super) corner: DVec2,
     pub(super) step: DVec2,
-    /// Rows from the south, each from the west.
+    /// Rows from south to north, each from west to east.
     pub(super) values: Vec<f32>,
 }
 
 impl Raster {
-    /// A raster of `columns` by `rows` cells (2 by 2 to 64 Mi cells) that are `step` wide and high (0.000,001 to 1,000,000),
-    /// whose south-west corner is `corner` (each coordinate at most 10,000,000,000 away from 0). `values` are the rows from
-    /// the south, each from the west.
+    /// A raster of `columns` by `rows` cells (at least 2 by 2, at most 64 Mi cells). Cells are `step` wide and high (0.000,001 to
+    /// 1,000,000), and `corner` is the south-west corner (each coordinate within 10,000,000,000 of 0). `values` holds the rows
+    /// from south to north, each from west to east.
+    ///
+    /// # Errors
+    ///
+    /// Fails if an argument is out of range, or if there is not one value for each cell.
     pub fn new(columns: usize, rows: usize, corner: DVec2, step: DVec2, values: Vec<f32>) -> Result<Self, RangeError> {
         let cells = count(columns, rows)?;
         check_place(corner, step)?;
         if values.len() != cells {
             return Err(RangeError {
                 field: "values".into(),
-                value: format!("{} numbers", values.len()),
+                value: format!("{} values", values.len()),
                 allowed: format!("{cells}, one for each cell"),
             });
         }
@@ -91,25 +95,28 @@ impl Raster {
         self.step
     }
 
-    /// The box of all cells, whole. In metres, or in degrees (longitude, latitude) until it is projected.
+    /// The box of all cells: in metres, or in degrees (longitude, latitude) until the raster is projected.
     pub fn bounds(&self) -> Bounds {
         let size = self.step * DVec2::new(self.columns as f64, self.rows as f64);
         Bounds::new(self.corner, self.corner + size)
     }
 
-    /// The number of the cell at a column from the west and a row from the south, counted from 0.
+    /// The value of the cell at a column from the west and a row from the south, both counted from 0.
     pub fn value(&self, column: usize, row: usize) -> Option<f32> {
         let inside = column < self.columns && row < self.rows;
         inside.then(|| self.values[row * self.columns + column])
     }
 
-    /// Middle of a cell, where its number holds.
+    /// Centre of a cell, where its value applies.
     pub fn middle(&self, column: usize, row: usize) -> DVec2 {
         self.corner + self.step * DVec2::new(column as f64 + 0.5, row as f64 + 0.5)
     }
 
-    /// The projection around the middle of a raster in degrees (longitude and latitude). Fails when it does not lie on the
-    /// globe, or within 5 degrees of a pole.
+    /// The projection around the centre of a raster in degrees (longitude and latitude).
+    ///
+    /// # Errors
+    ///
+    /// Fails if the raster does not lie on the globe, or if its centre lies within 5 degrees of a pole.
     pub fn geographic(&self) -> Result<Geographic, RangeError> {
         let b = self.bounds();
         let allowed = "longitude -180 to 360, latitude -90 to 90, and a middle between the latitudes -85 and 85";
@@ -121,27 +128,27 @@ impl Raster {
         })
     }
 
-    /// A raster in degrees moved to plan metres. Its cells become as wide and as high as they are in the middle of the
-    /// projection, so they are no squares.
+    /// The raster in plan metres, if it is in degrees. Its cells become as wide and as high as they are at the centre of the
+    /// projection, so they are not square.
     pub fn projected(self, geographic: &Geographic) -> Self {
         let size = self.bounds().size();
-        // From the middle, so that a raster which begins on the far side of the date line is not wrapped.
+        // From the centre, so that a raster that begins beyond the date line does not wrap around.
         let middle = geographic.to_plan(self.bounds().centre());
         let scale = geographic.metres_per_degree();
         Self { corner: middle - size * scale / 2.0, step: self.step * scale, ..self }
     }
 
-    /// Fails on a number that the band does not allow, and on cells too small to be in metres.
+    /// Fails if the band does not allow a value, or if cells are too small to be in metres.
     pub(super) fn check(&self, band: Band) -> Result<(), RangeError> {
         self.values.iter().try_for_each(|v| band.check(f64::from(*v)))?;
         RangeError::check("edge of a cell", self.step.min_element(), LEAST_STEP, 1e6).map_err(|e| RangeError {
-            allowed: format!("{} m; a raster in degrees has to be projected", e.allowed),
+            allowed: format!("{} m; a raster in degrees must be projected first", e.allowed),
             ..e
         })
     }
 }
 
-/// Number of cells of a raster, if it may have so many.
+/// Number of cells of a raster, if that many are allowed.
 pub(super) fn count(columns: usize, rows: usize) -> Result<usize, RangeError> {
     let cells = columns.saturating_mul(rows);
     if columns >= 2 && rows >= 2 && cells <= MOST_CELLS {
@@ -150,11 +157,11 @@ pub(super) fn count(columns: usize, rows: usize) -> Result<usize, RangeError> {
     Err(RangeError {
         field: "size of the raster".into(),
         value: format!("{columns} x {rows} cells"),
-        allowed: format!("2 x 2 to {MOST_CELLS} cells in all"),
+        allowed: format!("at least 2 x 2 cells, and at most {MOST_CELLS} in all"),
     })
 }
 
-/// Checks corner and step of a raster.
+/// Checks the corner and the step of a raster.
 pub(super) fn check_place(corner: DVec2, step: DVec2) -> Result<(), RangeError> {
     for (name, value) in [("x of the corner", corner.x), ("y of the corner", corner.y)] {
         RangeError::check(name, value, -1e10, 1e10)?;

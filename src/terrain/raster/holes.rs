@@ -1,19 +1,19 @@
-//! Cells without a number.
+//! Cells without a value.
 
-/// What to do with the cells of a file that have no number.
+/// What to do with the cells of a file that have no value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Holes {
-    /// Refuse the file.
+    /// Reject the file.
     #[default]
     Refuse,
-    /// Fill them ring by ring from their rim inwards, each cell with the mean of its neighbours. Good for small gaps.
+    /// Fill them ring by ring from the rim inwards, each cell with the mean of its neighbours. Suits small gaps.
     FromNeighbours,
-    /// Put this number there: below the sea level for a coast that the file cuts out.
+    /// Fill them with this value: for example one below the sea level, if the file leaves the sea out.
     Value(f64),
 }
 
-/// Fills the cells that are NaN, each with the mean of those of its eight neighbours that have a number before its ring is
-/// filled. At least one cell has a number.
+/// Fills the cells that are NaN, ring by ring. Each gets the mean of those of its eight neighbours that have a value before its
+/// ring is filled. At least one cell must have a value.
 pub(super) fn from_neighbours(values: &mut [f32], columns: usize) {
     let rows = values.len() / columns;
     let near = |i: usize| {

@@ -1,37 +1,37 @@
-//! A raster made ready to be sampled between its numbers.
+//! A raster prepared for interpolation.
 
-use super::Raster;
+use super::grid::Raster;
 use crate::space::math::mix;
 use glam::DVec2;
 
-/// Rings of numbers around those of the raster, so that no sample has to look where the border is.
+/// Number of rings of samples around the raster, so that interpolation needs no test for the border.
 const RING: usize = 2;
-/// What a dry cell beside water gets in place of a depth, as a share of that depth. Below 1, so that wet cells which touch at
-/// their corners only stay connected.
+/// Negative depth of a dry cell beside water, as a share of the depth of the water. Below 1, so that wet cells that touch only at
+/// a corner stay connected.
 const SHORE: f32 = 0.8;
-/// What every other dry cell gets, in metres. Not so low that searches for a shore would take long steps.
+/// Negative depth of every other dry cell, in metres. Not so low that searches for a shore would take long steps.
 const LAND: f32 = -5.0;
 
 /// Samples with rings around them, in rows from the south.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    /// Middle of the south-west sample of the outermost ring.
+    /// Position of the south-west sample of the outermost ring.
     first: DVec2,
     /// Samples per metre.
     per_metre: DVec2,
-    /// Greatest coordinates in samples, from `first`: the border of the outermost cells.
+    /// Greatest coordinates in samples, relative to `first`: the border of the outermost cells.
     end: DVec2,
     width: usize,
     values: Vec<f32>,
 }
 
 impl Surface {
-    /// The surface of a raster that goes on over its border with the slope that it has there.
+    /// The surface of a raster that continues beyond its border with the slope at the border.
     pub fn sloping(raster: Raster) -> Self {
         Self::padded(raster, |edge, inner, ring| edge + (edge - inner) * ring)
     }
 
-    /// The surface of a raster that goes on over its border at the same level.
+    /// The surface of a raster that continues beyond its border at the same level.
     pub fn flat(raster: Raster) -> Self {
         Self::padded(raster, |edge, _, _| edge)
     }
@@ -69,10 +69,11 @@ impl Surface {
         }
     }
 
-    /// Index of the sample south-west of a point (it has one more to its south and west, two to its north and east), and how far the point is from there to the next, 0 to 1 each way.
+    /// Index of the sample south-west of a point, and the position of the point between this sample and the next, 0 to 1 along each
+    /// axis. There is at least one more sample to the south and west, and two to the north and east.
     fn place(&self, p: DVec2) -> (usize, DVec2) {
         let u = ((p - self.first) * self.per_metre).clamp(DVec2::splat(RING as f64 - 0.5), self.end);
-        // Both are positive, so that cutting off is rounding down.
+        // Both are positive, so truncation rounds down.
         let (column, row) = (u.x as usize, u.y as usize);
         (row * self.width + column, u - DVec2::new(column as f64, row as f64))
     }
@@ -84,7 +85,7 @@ impl Surface {
         mix(row(i), row(i + self.width), f.y)
     }
 
-    /// Catmull-Rom interpolation: through all samples, with continuous slopes, and exact on level ground.
+    /// Catmull-Rom interpolation: passes through all samples, has continuous slopes, and is exact on level ground.
     pub fn smooth(&self, p: DVec2) -> f64 {
         let (i, f) = self.place(p);
         let row = |k: usize| {
@@ -96,7 +97,7 @@ impl Surface {
     }
 }
 
-/// The Catmull-Rom spline through four numbers in a row, at `t` (0 to 1) between the two in the middle.
+/// The Catmull-Rom spline through four consecutive values, at `t` (0 to 1) between the two in the middle.
 fn spline([a, b, c, d]: [f64; 4], t: f64) -> f64 {
     let rise = c - a;
     let bend = 2.0 * a - 5.0 * b + 4.0 * c - d;
@@ -104,7 +105,7 @@ fn spline([a, b, c, d]: [f64; 4], t: f64) -> f64 {
     b + 0.5 * t * (rise + t * (bend + t * twist))
 }
 
-/// Depths of water with numbers below 0 on land, so that the depth is 0 about half way between a wet and a dry sample.
+/// Depths of water with negative values on land, so that the depth is 0 about half-way between a wet and a dry sample.
 pub(super) fn with_shores(depths: Raster) -> Raster {
     let (columns, rows) = (depths.columns, depths.rows);
     let shore = |column: usize, row: usize| {

@@ -1,5 +1,8 @@
 use super::*;
-use crate::space::{Seed, Stream};
+use crate::layer::RangeError;
+use crate::space::{Bounds, Seed, Stream};
+use crate::terrain::Terrain;
+use glam::DVec2;
 use proptest::prelude::*;
 
 const ISLAND: &str = "ncols 4\nnrows 3\nxllcorner 100\nyllcorner -50\ncellsize 10\nNODATA_value -9999\n";
@@ -180,7 +183,7 @@ fn legal_files_of_all_kinds_are_read() {
             .contains("row 2")
     );
     let nan = format!("{ISLAND}{rows}").replace("-9999", "nan").replace(" 7 ", " NaN ");
-    assert!(error(&nan).contains("no height here"), "{}", error(&nan));
+    assert!(error(&nan).contains("have no height"), "{}", error(&nan));
 }
 
 #[test]
@@ -190,38 +193,38 @@ fn errors_say_where_and_what() {
     let change = |from: &str, to: &str| error(&file.replacen(from, to, 1));
     for (found, expected) in [
         (error(""), "f.asc:1:1: the header ends without ncols"),
-        (change("nrows", "rows"), "f.asc:2:1: \"rows\" is no number and no key; keys are ncols nrows "),
+        (change("nrows", "rows"), "f.asc:2:1: \"rows\" is neither a number nor a key; the keys are ncols nrows "),
         (change("ncols 4", "ncols"), "f.asc:2:1: ncols needs a number, not \"nrows\""),
         (change("ncols 4\n", ""), "f.asc:6:1: the header ends without ncols"),
-        (change("ncols 4", "ncols 4.5"), "f.asc:1:1: ncols is 4.5; allowed is a whole number"),
-        (change("ncols 4", "ncols -4"), "f.asc:1:1: ncols is -4; allowed"),
+        (change("ncols 4", "ncols 4.5"), "f.asc:1:1: ncols is 4.5; it must be a whole number"),
+        (change("ncols 4", "ncols -4"), "f.asc:1:1: ncols is -4; it must"),
         (
             change("nrows 3", "nrows 99999999"),
-            "f.asc:2:1: size of the raster is 4 x 99999999 cells; allowed is 2 x 2 to 67108864",
+            "f.asc:2:1: size of the raster is 4 x 99999999 cells; allowed is at least 2 x 2 cells, and at most 67108864",
         ),
         (change("cellsize 10", "cellsize 0"), "f.asc:5:1: cellsize is 0; allowed is 0.000001 to 1000000"),
         (change("cellsize 10", "cellsize nan"), "f.asc:5:1: cellsize is NaN"),
         (change("cellsize 10", "dx 10"), "f.asc:7:1: the header ends without dy"),
-        (change("cellsize 10", "cellsize 10 dy 10"), "f.asc:5:13: dy is given besides cellsize"),
+        (change("cellsize 10", "cellsize 10 dy 10"), "f.asc:5:13: dy is given in addition to cellsize"),
         (change("cellsize", "nrows 3 cellsize"), "f.asc:5:1: nrows is given twice"),
         (change("yllcorner -50\n", ""), "f.asc:6:1: the header ends without yllcorner or yllcenter"),
         (change("xllcorner 100", "xllcorner inf"), "f.asc:3:1: xllcorner is inf; allowed is -10000000000"),
-        (change(" 7 ", " "), "f.asc:8:1: row 2 holds 3 numbers; ncols is 4"),
-        (change(" 8", " 8 8"), "f.asc:8:1: row 2 holds 5 numbers; ncols is 4"),
-        (change(" 7 ", " abc "), "f.asc:8:5: row 2, column 3: \"abc\" is no number"),
+        (change(" 7 ", " "), "f.asc:8:1: row 2 has 3 numbers; ncols is 4"),
+        (change(" 8", " 8 8"), "f.asc:8:1: row 2 has 5 numbers; ncols is 4"),
+        (change(" 7 ", " abc "), "f.asc:8:5: row 2, column 3: \"abc\" is not a number"),
         (
             change(" 7 ", " 7,5 "),
-            "f.asc:8:5: row 2, column 3: \"7,5\" is no number; allowed are numbers apart by blanks, with a point",
+            "f.asc:8:5: row 2, column 3: \"7,5\" is not a number; the file needs numbers separated by blanks, and a decimal point",
         ),
         (change(" 7 ", " nan "), "f.asc:8:5: row 2, column 3: height is NaN; allowed is -100000 to 100000"),
         (change(" 7 ", " 1e999 "), "f.asc:8:5: row 2, column 3: height is inf;"),
         (
             change(" 7 ", " -9999 "),
-            "f.asc:8:5: row 2, column 3: no height here, nor in 0 more of 12 cells (each holds -9999)",
+            "f.asc:8:5: row 2, column 3: this cell and 0 more of 12 cells have no height (they hold -9999)",
         ),
-        (change("9 10 11 12\n", ""), "f.asc:9:1: the file ends after 8 numbers, 2 of 3 rows; 12 belong here"),
-        (change(" 11 12\n", ""), "f.asc:9:1: row 3 holds 2 numbers; ncols is 4"),
-        (change("11 12\n", "11 12\n1 2 3 4"), "f.asc:10:1: numbers go on after 3 rows of 4"),
+        (change("9 10 11 12\n", ""), "f.asc:9:1: the file ends after 8 numbers (2 of 3 rows); it needs 12"),
+        (change(" 11 12\n", ""), "f.asc:9:1: row 3 has 2 numbers; ncols is 4"),
+        (change("11 12\n", "11 12\n1 2 3 4"), "f.asc:10:1: numbers continue after the 3 rows of 4"),
     ] {
         assert!(found.starts_with(expected), "{found}\n{expected}");
         assert!(!found.contains('\n') && found.len() < 200, "{found}");
@@ -232,7 +235,7 @@ fn errors_say_where_and_what() {
 fn cells_without_a_number_are_filled_when_asked() {
     let file = format!("{ISLAND}-9999 -9999 3 3\n-9999 -9999 3 3\n-9999 -9999 7 3\n");
     let read = |holes| Raster::from_ascii("f", file.as_bytes(), Band::Height, holes);
-    assert!(read(Holes::Refuse).unwrap_err().to_string().contains("nor in 5 more"));
+    assert!(read(Holes::Refuse).unwrap_err().to_string().contains("this cell and 5 more"));
     assert_eq!(read(Holes::Value(-20.0)).unwrap().value(0, 0), Some(-20.0));
     assert!(read(Holes::Value(f64::NAN)).is_err());
     let filled = read(Holes::FromNeighbours).unwrap();
@@ -306,9 +309,9 @@ mod pictures {
     #[test]
     fn other_pictures_are_refused() {
         let colours = picture(2, 2, ColorType::Rgb, BitDepth::Eight, &[0; 12]);
-        assert_eq!(error(&colours), "the picture is Rgb of 8 bits; allowed is Grayscale of 16 or 8 bits");
-        assert!(error(&sixteen()[..60]).starts_with("no readable PNG"));
-        assert!(error(b"P5 2 2").starts_with("no readable PNG"));
+        assert_eq!(error(&colours), "the image is Rgb of 8 bits; it must be Grayscale of 16 or 8 bits");
+        assert!(error(&sixteen()[..60]).starts_with("not a readable PNG"));
+        assert!(error(b"P5 2 2").starts_with("not a readable PNG"));
         let thin = picture(9, 1, ColorType::Grayscale, BitDepth::Eight, &[0; 9]);
         assert!(error(&thin).starts_with("size of the raster is 9 x 1"));
         let bad = |place| Raster::from_png("h.png", &sixteen(), Band::Height, place).unwrap_err().reason;
@@ -317,7 +320,7 @@ mod pictures {
         // A header that claims more than the file can hold, with a checksum that fits.
         let mut liar = picture(8192, 8192, ColorType::Grayscale, BitDepth::Sixteen, &vec![0; 8192 * 8192 * 2]);
         liar.truncate(5000);
-        assert!(error(&liar).starts_with("the file ends early: 5000 bytes"), "{}", error(&liar));
+        assert!(error(&liar).starts_with("the file is truncated: 5000 bytes"), "{}", error(&liar));
     }
 
     proptest! {

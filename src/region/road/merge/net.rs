@@ -1,40 +1,42 @@
-//! The graph around a tile, indexed, with a grid to find what is near.
+//! The graph around a tile, with indices, and a grid to find what is nearby.
 
-use super::super::Work;
-use super::super::graph::{Graph, Key, Place, Rank, tile_bounds};
 use crate::layer::{LayerError, Reach};
+use crate::region::road::settings::RoadSettings;
+use crate::region::road::tile::tile_bounds;
+use crate::region::road::vertex::{Graph, Key, Position, Rank};
 use crate::space::{Bounds, Origin, distance_to_segment};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A vertex.
-pub struct Node {
+pub(in crate::region::road) struct Node {
     pub key: Key,
-    pub place: Place,
-    /// Position relative to the tile. On the quantum grid, so differences of positions are exact and the same from
-    /// whichever tile they are taken; nothing else may enter a decision.
+    pub position: Position,
+    /// Position relative to the tile, on the quantum grid: differences of positions are exact, and the same in every tile.
+    /// Nothing else may enter a decision.
     pub at: DVec2,
-    /// Edges.
+    /// Indices of the edges that end here.
     pub ways: Vec<usize>,
-    /// The best of their ranks.
+    /// The least rank of these edges.
     pub best: Option<Rank>,
 }
 
 /// A way between two vertices.
-pub struct Edge {
+pub(in crate::region::road) struct Edge {
     pub ends: [usize; 2],
     pub rank: Rank,
     /// 1 on a bridge, -1 in a tunnel, 0 on the ground.
     pub level: i8,
-    /// Whether it stays in any case: a tie, a bridge, a tunnel.
+    /// Whether the edge stays in any case, because it is a tie, a bridge or a tunnel.
     pub fixed: bool,
 }
 
 /// The graph around a tile.
-pub struct Net {
+pub(in crate::region::road) struct Net {
     pub nodes: Vec<Node>,
     pub edges: Vec<Edge>,
+    /// Box of the tile, relative to its corner.
     pub own: Bounds,
     reach: Reach,
     origin: Origin,
@@ -42,7 +44,7 @@ pub struct Net {
     near_edges: Grid,
 }
 
-/// Indices by square.
+/// Indices, found by square.
 struct Grid {
     min: DVec2,
     size: f64,
@@ -72,7 +74,7 @@ impl Grid {
         }
     }
 
-    /// What may lie in a box, sorted.
+    /// Indices of what may lie in a box, sorted.
     fn get(&self, bounds: Bounds) -> Vec<usize> {
         let mut out: Vec<usize> = self.squares(bounds).flat_map(|s| &self.cells[s]).copied().collect();
         out.sort_unstable();
@@ -82,30 +84,31 @@ impl Grid {
 }
 
 impl Net {
-    pub fn new(work: &Work, tile: I64Vec2, reach: Reach, graphs: &[Arc<Graph>]) -> Result<Self, LayerError> {
-        let plan = tile_bounds(tile, work.settings.step);
+    /// The net of the graphs of a tile and the tiles around it. Queries may read within `reach`.
+    pub fn new(settings: &RoadSettings, tile: I64Vec2, reach: Reach, graphs: &[Arc<Graph>]) -> Self {
+        let plan = tile_bounds(tile, settings.step);
         let origin = Origin::at(plan.min);
         let mut nodes: Vec<Node> = Vec::new();
-        let node = |key, place: Place| {
-            let at = place.local_to(origin);
-            Node { key, place, at, ways: Vec::new(), best: None }
+        let node = |key, position: Position| {
+            let at = position.local_to(origin);
+            Node { key, position, at, ways: Vec::new(), best: None }
         };
         let mut all: Vec<_> = graphs.iter().flat_map(|g| &g.vertices).collect();
         all.sort_by_key(|(k, _)| **k);
         let keys: Vec<Key> = all.iter().map(|(key, _)| **key).collect();
-        nodes.extend(all.iter().map(|(key, v)| node(**key, v.place)));
-        // Vertices outside of these tiles that ways lead to.
+        nodes.extend(all.iter().map(|(key, v)| node(**key, v.position)));
+        // Vertices outside these tiles that ways lead to.
         let mut beyond: BTreeMap<Key, usize> = BTreeMap::new();
         let mut edges: Vec<Edge> = Vec::new();
         for (a, (key, v)) in all.iter().enumerate() {
             for way in &v.ways {
                 let b = keys.binary_search(&way.to).unwrap_or_else(|_| {
                     *beyond.entry(way.to).or_insert_with(|| {
-                        nodes.push(node(way.to, way.place));
+                        nodes.push(node(way.to, way.position));
                         nodes.len() - 1
                     })
                 });
-                // Each once, from its first end, or from the only one that is in these tiles.
+                // Each edge once: from its first end, or from its only end in these tiles.
                 if **key < way.to || b >= all.len() {
                     let fixed = key.is_gate() || way.to.is_gate() || way.level != 0;
                     for end in [a, b] {
@@ -117,7 +120,7 @@ impl Net {
             }
         }
         let bounds = reach.bounds().moved(-origin.plan());
-        let size = work.settings.merge.max(work.settings.step as f64);
+        let size = settings.merge.max(settings.step as f64);
         let (mut near_nodes, mut near_edges) = (Grid::new(bounds, size), Grid::new(bounds, size));
         for (i, n) in nodes.iter().enumerate() {
             near_nodes.put(Bounds::of([n.at]), i);
@@ -125,7 +128,7 @@ impl Net {
         for (i, e) in edges.iter().enumerate() {
             near_edges.put(Bounds::of(e.ends.map(|n| nodes[n].at)), i);
         }
-        Ok(Self { nodes, edges, own: plan.moved(-origin.plan()), reach, origin, near_nodes, near_edges })
+        Self { nodes, edges, own: plan.moved(-origin.plan()), reach, origin, near_nodes, near_edges }
     }
 
     /// The other end of an edge.
@@ -134,13 +137,14 @@ impl Net {
         if a == node { b } else { a }
     }
 
-    /// From one vertex to another.
+    /// Vector from one vertex to another.
     pub fn step(&self, from: usize, to: usize) -> DVec2 {
         self.nodes[to].at - self.nodes[from].at
     }
 
-    /// Whether ways that are `let_on`, by their index and the vertex they lead to, join two vertices over at most `most` metres.
-    pub fn joins(&self, [from, to]: [usize; 2], most: f64, let_on: impl Fn(usize, usize) -> bool) -> bool {
+    /// Whether a path of at most `most` metres joins two vertices. `allowed` decides about each edge, by its index and the vertex
+    /// that it leads to.
+    pub fn joins(&self, [from, to]: [usize; 2], most: f64, allowed: impl Fn(usize, usize) -> bool) -> bool {
         let mut way: BTreeMap<usize, f64> = BTreeMap::from([(from, 0.0)]);
         let mut open = vec![from];
         while let Some(at) = open.pop() {
@@ -151,7 +155,7 @@ impl Net {
                 let next = self.far(*e, at);
                 let there = way[&at] + self.apart(at, next);
                 let shorter = way.get(&next).is_none_or(|w| there < *w);
-                if shorter && there <= most && let_on(*e, next) {
+                if shorter && there <= most && allowed(*e, next) {
                     way.insert(next, there);
                     open.push(next);
                 }
@@ -160,23 +164,28 @@ impl Net {
         false
     }
 
-    /// Distance of two vertices.
+    /// Distance between two vertices.
     pub fn apart(&self, a: usize, b: usize) -> f64 {
         self.step(a, b).length()
     }
 
     /// Distance of a vertex from an edge.
-    pub fn off(&self, node: usize, edge: usize) -> f64 {
+    pub fn distance_to_edge(&self, node: usize, edge: usize) -> f64 {
         let [a, b] = self.edges[edge].ends;
         distance_to_segment(DVec2::ZERO, self.step(node, a), self.step(node, b))
     }
 
-    /// Whether a vertex lies on a way better than `rank` that is no tie.
+    /// Distance of a vertex from the straight line between two others.
+    pub fn distance_to_line(&self, node: usize, from: usize, to: usize) -> f64 {
+        distance_to_segment(DVec2::ZERO, self.step(node, from), self.step(node, to))
+    }
+
+    /// Whether a vertex lies on an edge better than `rank` that is not fixed.
     pub fn on_better(&self, node: usize, rank: Rank) -> bool {
         self.nodes[node].ways.iter().any(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed)
     }
 
-    /// Vertices within `limit` of one, sorted.
+    /// Other vertices within `limit` metres of a vertex, sorted.
     pub fn nodes_near(&self, node: usize, limit: f64) -> Result<Vec<usize>, LayerError> {
         let around = self.readable(Bounds::of([self.nodes[node].at]).grown(limit))?;
         let mut out = self.near_nodes.get(around);
@@ -191,14 +200,14 @@ impl Net {
         Ok(out)
     }
 
-    /// Edges whose boxes may overlap a box, sorted.
+    /// Edges whose box overlaps a box, sorted.
     pub fn edges_in(&self, bounds: Bounds) -> Result<Vec<usize>, LayerError> {
         let mut out = self.near_edges.get(self.readable(bounds)?);
         out.retain(|e| Bounds::of(self.edges[*e].ends.map(|n| self.nodes[n].at)).overlaps(bounds));
         Ok(out)
     }
 
-    /// Distance of a vertex from the nearest way better than `rank` that is no tie, if within `limit`.
+    /// Distance of a vertex from the nearest edge better than `rank` that is not fixed, if it is within `limit`.
     pub fn better_near(&self, node: usize, rank: Rank, limit: f64) -> Result<Option<f64>, LayerError> {
         if self.on_better(node, rank) {
             return Ok(Some(0.0));
@@ -206,13 +215,13 @@ impl Net {
         let around = self.readable(Bounds::of([self.nodes[node].at]).grown(limit))?;
         let edges = self.near_edges.get(around).into_iter();
         let better = edges.filter(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed);
-        let distance = better.map(|e| self.off(node, e)).fold(f64::INFINITY, f64::min);
+        let distance = better.map(|e| self.distance_to_edge(node, e)).fold(f64::INFINITY, f64::min);
         Ok((distance <= limit).then_some(distance))
     }
 
-    /// A box, if it lies within reach.
+    /// A box relative to the tile's corner, if it lies within reach.
     fn readable(&self, bounds: Bounds) -> Result<Bounds, LayerError> {
-        // Half a metre for the rounding of positions.
+        // Half a metre, because positions are rounded.
         self.reach.check(bounds.grown(-0.5).moved(self.origin.plan()))?;
         Ok(bounds)
     }

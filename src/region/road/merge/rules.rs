@@ -1,67 +1,67 @@
-//! Which ways go, and which vertices need a connector in their place.
+//! Which edges are dropped, and which vertices need a connector in their place.
 
-use super::super::Work;
-use super::super::graph::{Place, Rank};
-use super::super::settings::TierSettings;
 use super::net::Net;
-use super::{WATCHED_STEPS, beside, longest_rung};
-use crate::layer::LayerError;
-use crate::network::StreetClass;
+use super::padding::{OUTLINE_STEPS, WATCHED_STEPS, beside, longest_rung};
+use crate::layer::{LayerError, Reach};
+use crate::region::road::inputs::Inputs;
+use crate::region::road::vertex::Rank;
 use crate::space::math::angle_between;
-use crate::space::{Bounds, distance_to_segment, polygon_distance, segment_distance};
+use crate::space::{Bounds, polygon_distance, segment_distance};
 use glam::DVec2;
 
-/// Ways that part at a smaller angle, in radians, part further out.
+/// Roads that fork at a smaller angle, in radians, fork farther out.
 pub(super) const SHARP: f64 = 0.55;
-/// Length in steps over which a course must run beside others if it does not touch them.
+/// Length in steps over which a route must run beside others if it does not touch them.
 const LEAST_STEPS: f64 = 3.0;
-/// Sine of the angle at which a course heads away.
+/// Sine of the angle from which a route heads away.
 const AWAY: f64 = 0.65;
-/// Rungs that are tried for a vertex, nearest first.
+/// Greatest number of rungs that are tried for a vertex, nearest first.
 const MOST_TRIED: usize = 4;
-/// Metres between samples of the ground under a rung.
+/// Distance in metres between samples of the ground under a connector.
 const SAMPLED_EVERY: f64 = 32.0;
-/// Distance in steps that connectors keep from outlines.
-const OFF_OUTLINES: f64 = 0.3;
 /// Distance in metres that connectors keep from ties.
 const OFF_TIES: f64 = 18.0;
 
-/// A net, and what has been found out about it.
-pub struct Rules<'a> {
-    pub work: &'a Work,
+/// A net, and what was found out about it.
+pub(in crate::region::road) struct Rules<'a> {
+    pub inputs: &'a Inputs,
     pub net: Net,
-    second: Vec<Option<bool>>,
+    /// What may be read of settlements.
+    reach: Reach,
+    beside: Vec<Option<bool>>,
     rung: Vec<Option<Option<usize>>>,
-    goes: Vec<Option<bool>>,
+    dropped: Vec<Option<bool>>,
 }
 
 impl<'a> Rules<'a> {
-    pub fn new(work: &'a Work, net: Net) -> Self {
+    /// The rules of a net that reads within `padding` metres of the tile `own` (plan metres).
+    pub fn new(inputs: &'a Inputs, net: Net, own: Bounds, padding: f64) -> Self {
         let (nodes, edges) = (net.nodes.len(), net.edges.len());
-        Self { work, net, second: vec![None; nodes], rung: vec![None; nodes], goes: vec![None; edges] }
+        let reach = Reach::new("roads", own, padding + OUTLINE_STEPS * inputs.step() as f64 + 1.0);
+        Self { inputs, net, reach, beside: vec![None; nodes], rung: vec![None; nodes], dropped: vec![None; edges] }
     }
 
-    /// Whether a vertex runs beside better ways, or comes first after a sharp fork from them.
-    pub fn is_second(&mut self, node: usize) -> Result<bool, LayerError> {
-        if let Some(known) = self.second[node] {
+    /// Whether a vertex runs beside better edges, or comes first after a sharp fork from them.
+    pub fn runs_beside(&mut self, node: usize) -> Result<bool, LayerError> {
+        if let Some(known) = self.beside[node] {
             return Ok(known);
         }
-        let known = self.find_second(node)?;
-        self.second[node] = Some(known);
+        let known = self.find_beside(node)?;
+        self.beside[node] = Some(known);
         Ok(known)
     }
 
-    fn find_second(&self, node: usize) -> Result<bool, LayerError> {
+    fn find_beside(&self, node: usize) -> Result<bool, LayerError> {
         let n = &self.net.nodes[node];
         let (Some(rank), false) = (n.best, n.key.is_gate()) else { return Ok(false) };
-        let limit = beside(&self.work.settings);
+        let limit = beside(&self.inputs.settings);
         let Some(distance) = self.net.better_near(node, rank, limit)? else { return Ok(false) };
         let along = self.along(node, rank);
         if along.iter().any(|e| self.is_sharp(*e, self.net.far(*e, node))) {
             return Ok(true);
         }
-        // How far the course stays within the limit, to both sides.
-        let step = self.work.settings.step as f64;
+        // How far the route stays within the limit, in both directions.
+        let step = self.inputs.step() as f64;
         let (mut length, mut touches) = (0.0, false);
         let mut ends = [(node, distance); 2];
         let mut ties = Vec::new();
@@ -89,20 +89,20 @@ impl<'a> Rules<'a> {
             }
         }
         if ties.len() == 2 && !ties.contains(&0.0) {
-            // All of the course.
+            // The route runs beside over its whole length.
             length += ties[0] + ties[1];
         }
         let away = (ends[0].1 - ends[1].1).abs() > AWAY * self.net.apart(ends[0].0, ends[1].0);
         Ok(length > 0.0 && !away && (touches || length >= LEAST_STEPS * step))
     }
 
-    /// The ways of a rank at a vertex that are no ties: at most two, but where a course crosses itself.
+    /// The edges of a rank at a vertex that are not fixed: at most two, except where a route crosses itself.
     fn along(&self, node: usize, rank: Rank) -> Vec<usize> {
         let ways = &self.net.nodes[node].ways;
         ways.iter().copied().filter(|e| self.net.edges[*e].rank == rank && !self.net.edges[*e].fixed).collect()
     }
 
-    /// Length of the tie in which a course ends at a vertex, 0 if it does not.
+    /// Length of the tie in which a route ends at a vertex, 0 if it does not end there.
     fn tie(&self, node: usize, rank: Rank) -> f64 {
         let ties = self.net.nodes[node].ways.iter().filter(|e| {
             let edge = &self.net.edges[**e];
@@ -111,7 +111,7 @@ impl<'a> Rules<'a> {
         ties.map(|e| self.net.apart(node, self.net.far(*e, node))).fold(0.0, f64::max)
     }
 
-    /// Whether an edge leaves a better way at a sharp angle.
+    /// Whether an edge leaves a better edge at a sharp angle.
     pub fn is_sharp(&self, edge: usize, fork: usize) -> bool {
         let direction = self.net.step(fork, self.net.far(edge, fork));
         self.net.nodes[fork].ways.iter().any(|b| {
@@ -122,7 +122,7 @@ impl<'a> Rules<'a> {
         })
     }
 
-    /// The vertex that a vertex is coupled with.
+    /// The vertex on a better road that a vertex is coupled with.
     pub fn rung(&mut self, node: usize) -> Result<Option<usize>, LayerError> {
         if let Some(known) = self.rung[node] {
             return Ok(known);
@@ -134,10 +134,10 @@ impl<'a> Rules<'a> {
 
     fn find_rung(&mut self, node: usize) -> Result<Option<usize>, LayerError> {
         let Some(rank) = self.net.nodes[node].best else { return Ok(None) };
-        if !self.is_second(node)? {
+        if !self.runs_beside(node)? {
             return Ok(None);
         }
-        let mut near = self.net.nodes_near(node, longest_rung(&self.work.settings))?;
+        let mut near = self.net.nodes_near(node, longest_rung(&self.inputs.settings))?;
         near.retain(|n| self.net.on_better(*n, rank));
         near.sort_by(|a, b| {
             let key = |n: usize| self.net.nodes[n].key;
@@ -145,7 +145,7 @@ impl<'a> Rules<'a> {
         });
         let mut tried = 0;
         for n in near {
-            if self.is_second(n)? {
+            if self.runs_beside(n)? {
                 continue;
             }
             if self.is_free(node, n)? {
@@ -159,16 +159,16 @@ impl<'a> Rules<'a> {
         Ok(None)
     }
 
-    /// Whether the ground lets a connector through, and no outline or tie is in its way.
+    /// Whether the ground lets a connector between two vertices through, and no outline or tie is in its way.
     pub fn is_free(&self, from: usize, to: usize) -> Result<bool, LayerError> {
         let Some(rank) = self.net.nodes[from].best else { return Ok(false) };
         self.lets_through(from, self.net.step(from, to), Some(to), rank)
     }
 
-    /// The same of a line from one vertex to another or to no vertex, of the rank of a way.
+    /// The same for a straight line from a vertex to another vertex or to any point, built as a road of a rank.
     pub fn lets_through(&self, from: usize, by: DVec2, to: Option<usize>, rank: Rank) -> Result<bool, LayerError> {
         let a = &self.net.nodes[from];
-        let step = self.work.settings.step as f64;
+        let step = self.inputs.step() as f64;
         let crosses_tie = |e: &usize| {
             let edge = &self.net.edges[*e];
             let [p, q] = edge.ends.map(|n| self.net.step(from, n));
@@ -181,12 +181,11 @@ impl<'a> Rules<'a> {
         if self.net.edges_in(around)?.iter().any(crosses_tie) {
             return Ok(false);
         }
-        let most = settings_of(self.work, rank.class).slope_limit;
+        let most = self.inputs.settings.class(rank.class).slope_limit;
         let parts = (by.length() / SAMPLED_EVERY).ceil().max(1.0);
-        let plan = |place: &Place| place.origin.to_plan(place.offset);
         let mut before: Option<f64> = None;
         for i in 0..=parts as usize {
-            let ground = self.work.terrain.sample(plan(&a.place.moved(by * (i as f64 / parts))));
+            let ground = self.inputs.terrain.sample(a.position.moved(by * (i as f64 / parts)).plan());
             if ground.depth() > 0.0 {
                 return Ok(false);
             }
@@ -198,28 +197,28 @@ impl<'a> Rules<'a> {
                 before = Some(ground.height);
             }
         }
-        let segment = Bounds::of([plan(&a.place), plan(&a.place.moved(by))]).grown(OFF_OUTLINES * step);
-        for s in self.work.places.overlapping(segment)? {
-            let outline = self.work.places.outline(&s)?;
-            let at = a.place.local_to(outline.origin);
-            if polygon_distance(at, at + by, &outline.polygon) < OFF_OUTLINES * step {
+        let near = Bounds::of([a.position.plan(), a.position.moved(by).plan()]).grown(OUTLINE_STEPS * step);
+        for s in self.inputs.settlements.overlapping(self.reach.check(near)?)? {
+            let outline = self.inputs.settlements.outline(&s)?;
+            let at = a.position.local_to(outline.origin);
+            if polygon_distance(at, at + by, &outline.polygon) < OUTLINE_STEPS * step {
                 return Ok(false);
             }
         }
         Ok(true)
     }
 
-    /// Whether a way goes.
-    pub fn goes(&mut self, edge: usize) -> Result<bool, LayerError> {
-        if let Some(known) = self.goes[edge] {
+    /// Whether an edge is dropped.
+    pub fn is_dropped(&mut self, edge: usize) -> Result<bool, LayerError> {
+        if let Some(known) = self.dropped[edge] {
             return Ok(known);
         }
-        let known = self.find_goes(edge)?;
-        self.goes[edge] = Some(known);
+        let known = self.find_dropped(edge)?;
+        self.dropped[edge] = Some(known);
         Ok(known)
     }
 
-    fn find_goes(&mut self, edge: usize) -> Result<bool, LayerError> {
+    fn find_dropped(&mut self, edge: usize) -> Result<bool, LayerError> {
         let (rank, ends) = (self.net.edges[edge].rank, self.net.edges[edge].ends);
         if self.net.edges[edge].fixed {
             return Ok(false);
@@ -238,39 +237,25 @@ impl<'a> Rules<'a> {
         Ok(self.is_joined(edge, across))
     }
 
-    /// Whether better ways within the merge distance of an edge join two vertices.
+    /// Whether better edges within the merge distance of an edge join two vertices.
     fn is_joined(&self, edge: usize, [from, to]: [usize; 2]) -> bool {
-        let limit = longest_rung(&self.work.settings);
+        let limit = longest_rung(&self.inputs.settings);
         let most = 2.0 * self.net.apart(self.net.edges[edge].ends[0], self.net.edges[edge].ends[1]) + limit;
         self.net.joins([from, to], most, |e, next| {
             let better = self.net.edges[e].rank < self.net.edges[edge].rank && !self.net.edges[e].fixed;
-            better && self.net.off(next, edge) <= limit
+            better && self.net.distance_to_edge(next, edge) <= limit
         })
     }
 
-    /// Whether a vertex has lost ways to its rung but keeps others.
+    /// Whether a vertex lost edges to its rung but keeps others.
     pub fn needs_connector(&mut self, node: usize) -> Result<bool, LayerError> {
-        let (Some(rank), true) = (self.net.nodes[node].best, self.is_second(node)?) else { return Ok(false) };
+        let (Some(rank), true) = (self.net.nodes[node].best, self.runs_beside(node)?) else { return Ok(false) };
         let (mut lost, mut kept) = (false, false);
         for e in self.net.nodes[node].ways.clone() {
-            let goes = self.goes(e)?;
-            lost |= goes && self.net.edges[e].rank == rank;
-            kept |= !goes;
+            let dropped = self.is_dropped(e)?;
+            lost |= dropped && self.net.edges[e].rank == rank;
+            kept |= !dropped;
         }
         Ok(lost && kept)
-    }
-
-    /// Distance of a vertex from the straight line between two others.
-    pub fn off_line(&self, node: usize, from: usize, to: usize) -> f64 {
-        distance_to_segment(DVec2::ZERO, self.net.step(node, from), self.net.step(node, to))
-    }
-}
-
-/// Settings of the roads of a class.
-fn settings_of(work: &Work, class: StreetClass) -> &TierSettings {
-    match class {
-        StreetClass::Highway => &work.settings.highway,
-        StreetClass::Major => &work.settings.major,
-        _ => &work.settings.minor,
     }
 }

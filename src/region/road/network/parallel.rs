@@ -1,10 +1,10 @@
-//! Work on many threads, in an order that does not show.
+//! Parallel work whose result does not depend on the order of execution.
 
-use super::NetworkTask;
+use super::task::NetworkTask;
 use crate::layer::LayerError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Runs `make` on every item, on as many threads as the task says; results come in the order of the items.
+/// Runs `make` on every item, on as many threads as the task says. The results have the order of the items.
 pub(super) fn each<T: Sync, R: Send>(
     task: &NetworkTask<'_>,
     what: &str,

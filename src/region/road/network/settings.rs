@@ -1,24 +1,25 @@
-//! Settings of roads in a finite domain: the defaults, and wider ranges than in the endless world.
+//! Settings of roads in a finite domain: defaults, and wider ranges than in an endless world.
 
 use crate::layer::RangeError;
-use crate::region::{RoadSettings, TierSettings};
+use crate::region::road::settings::{RoadSettings, TierSettings};
 
-/// Spacings of the lattice in metres.
+/// Least and greatest spacing of the lattice in metres.
 const STEPS: (i64, i64) = (10, 20_000);
-/// Steepest slope of any road: what lies beyond the endless world's limits is dear, not forbidden, so that no settlement is
-/// cut off by a limit alone.
+/// Steepest slope of any road. Slopes beyond the limits of an endless world are expensive but allowed, so that no limit alone
+/// cuts a settlement off.
 const STEEPEST: f64 = 1.0;
-/// Distance in steps within which roads beside each other become one.
+/// Distance in steps within which roads that run beside each other merge.
 const MERGE: f64 = 2.0;
-/// Greatest cost of a road over its beeline.
+/// Greatest ratio of the cost of a road to its beeline.
 const DETOUR: f64 = 40.0;
 
 impl RoadSettings {
-    /// Settings for a [`RoadNetwork`](crate::region::RoadNetwork) on a lattice of `step` metres. They differ from the
-    /// default so that no settlement is left out where land leads to it: every pair is a candidate, ways are searched on the
-    /// lattice itself, a road may cost 40 times its beeline, slopes beyond the usual limit have the cost that the
-    /// square of the slope gives them, and lengths that depend on the lattice grow with it. Bridges and tunnels are tried where
-    /// the ground is steeper than 0.14, and are no steeper than 0.2.
+    /// Settings for a [`RoadNetwork`](crate::region::RoadNetwork) on a lattice of `step` metres.
+    ///
+    /// They differ from the defaults so that every settlement gets a road if land leads to it: every pair is a candidate, paths
+    /// are searched on the fine lattice only, and a road may cost 40 times its beeline. Slopes beyond the usual limit cost what
+    /// the square of the slope gives. Lengths that depend on the lattice grow with it. Bridges and tunnels are tried where the
+    /// ground is steeper than 0.14, and are themselves at most 0.2 steep.
     pub fn finite(step: i64) -> Self {
         let steps = step as f64;
         let tier = |t: TierSettings| TierSettings {
@@ -39,9 +40,9 @@ impl RoadSettings {
         Self { step, merge: MERGE * steps, highway: tier(highway), major: tier(major), minor: tier(minor) }
     }
 
-    /// Checks the ranges for a finite domain. They are those of [`check`](Self::check), but for `step` (10 to 20,000),
-    /// `reach` (500 to infinite), `gamma` (1.01 to infinite: the relative neighbour graph), `detour` (1.1 to 1,000),
-    /// `corridor` and `bridge_limit` (up to 1,000,000), `earthwork` (1 to infinite), `slope` and `turn` (up to 10,000), and
+    /// Checks the ranges for a finite domain. They are the ranges of [`check`](Self::check), except for `step` (10 to 20,000),
+    /// `reach` (500 to infinity), `gamma` (1.01 to infinity, which gives the relative neighbour graph), `detour` (1.1 to 1,000),
+    /// `corridor` and `bridge_limit` (up to 1,000,000), `earthwork` (1 to infinity), `slope` and `turn` (up to 10,000), and
     /// `merge` (0 to 4 steps).
     pub fn check_finite(&self) -> Result<(), RangeError> {
         RangeError::check("step", self.step as f64, STEPS.0 as f64, STEPS.1 as f64)?;

@@ -1,9 +1,14 @@
 //! Networks of finite domains against what is known of proximity graphs.
 
 use super::*;
-use crate::network::JunctionId;
-use crate::space::{Seed, math, point_in_polygon, segment_crossing, segments};
+use crate::layer::LayerError;
+use crate::network::{JunctionId, SizeClass};
+use crate::region::{RoadSettings, Settlement, SettlementId};
+use crate::space::{Bounds, Origin, Seed, math, point_in_polygon, segment_crossing, segments};
+use crate::terrain::{Terrain, TerrainSample};
+use glam::DVec2;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A plain, or hills.
@@ -316,9 +321,9 @@ fn what_cannot_be_built_is_named() {
         (
             village(2, 5_300.0, 2_000.0),
             0.0,
-            "Village 2 lies 300 m from Village 1; allowed are 1.5 steps of the lattice, 600 m",
+            "Village 2 lies 300 m from Village 1; keep at least 1.5 steps of the lattice (600 m)",
         ),
-        (village(1, 9_000.0, 2_000.0), 0.0, "Village 1 has the id of Village 1; allowed is each once"),
+        (village(1, 9_000.0, 2_000.0), 0.0, "Village 1 and Village 1 have the same id"),
         (village(2, 2_500.0, 8_000.0), 1e4, "of water; allowed is dry ground"),
     ];
     for (bad, hills, expected) in cases {

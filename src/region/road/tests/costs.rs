@@ -1,17 +1,19 @@
 //! Costs of geodesics against a search of everything.
 
-use super::super::field::{Field, Strip};
-use super::super::lattice::{DIRECTIONS, bends, node_near, stencil_distance};
-use super::super::pairs::{beeline, distance, open_ground, tier_of};
+use super::super::cost::bends;
+use super::super::distance::open_field;
+use super::super::field::{Corridor, Field};
+use super::super::lattice::{DIRECTIONS, node_near, stencil_distance};
 use super::*;
+use crate::layer::Reach;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Dijkstra's search over all nodes and headings of a field, from one node to another.
 fn brute_force(field: &mut Field, from: I64Vec2, to: I64Vec2) -> f64 {
     let turns = bends(field.class(), field.step());
-    let (from, to) = (field.strip.slot(from).unwrap(), field.strip.slot(to).unwrap());
-    let mut costs = vec![f64::INFINITY; field.strip.nodes.len() * DIRECTIONS];
+    let (from, to) = (field.corridor().slot(from).unwrap(), field.corridor().slot(to).unwrap());
+    let mut costs = vec![f64::INFINITY; field.corridor().nodes.len() * DIRECTIONS];
     let mut open = BinaryHeap::new();
     open.push(Reverse((0u64, from, DIRECTIONS)));
     while let Some(Reverse((bits, slot, heading))) = open.pop() {
@@ -24,12 +26,12 @@ fn brute_force(field: &mut Field, from: I64Vec2, to: I64Vec2) -> f64 {
         }
         let any: Vec<(usize, f32)> = (0..DIRECTIONS).map(|h| (h, 0.0)).collect();
         for (along, bend) in if heading < DIRECTIONS { &turns[heading] } else { &any } {
-            let Some((next, edge)) = field.rough(slot, *along).unwrap() else { continue };
-            let mut reached = vec![(next, f64::from(edge + field.hidden(slot, *along).unwrap()))];
-            for hop in field.hops(slot, *along).unwrap().to_vec() {
-                let after = field.rough(hop.last, *along).unwrap().map_or(f32::INFINITY, |e| e.1);
-                let (more, _) = field.hidden_hop(slot, *along, hop.edges).unwrap();
-                reached.push((hop.to, f64::from(edge + hop.cost + after + more)));
+            let Some((next, edge)) = field.lower_bound(slot, *along).unwrap() else { continue };
+            let mut reached = vec![(next, f64::from(edge + field.surcharge(slot, *along).unwrap()))];
+            for span in field.spans(slot, *along).unwrap().to_vec() {
+                let after = field.lower_bound(span.last, *along).unwrap().map_or(f32::INFINITY, |e| e.1);
+                let (more, _) = field.span_surcharge(slot, *along, span.edges).unwrap();
+                reached.push((span.to, f64::from(edge + span.cost + after + more)));
             }
             for (next, more) in reached {
                 let (cost, state) = (here + f64::from(*bend) + more, next * DIRECTIONS + along);
@@ -46,24 +48,26 @@ fn brute_force(field: &mut Field, from: I64Vec2, to: I64Vec2) -> f64 {
 #[test]
 fn distances_are_within_a_percent_of_a_search_of_everything() {
     let roads = roads(21, false, &RoadSettings::default());
-    let work = &roads.work;
-    let step = work.settings.step;
+    let (inputs, distances) = (&*roads.searches.inputs, &roads.searches.distances);
+    let step = inputs.step();
+    let everything = Reach::new("test", Bounds::square(DVec2::ZERO, 1e6), 0.0);
     let mut compared = 0;
     for (tier, size) in [(SizeClass::Town, 14_000.0), (SizeClass::Village, 9_000.0)] {
         let bounds = Bounds::square(DVec2::new(7_000.0, -4_000.0), size);
-        let all = work.places.of_tier(bounds, tier).unwrap();
-        let t = work.settings.tier(tier);
+        let all = inputs.settlements.centred_in(bounds, tier).unwrap();
+        let t = inputs.tier(tier);
         for (i, a) in all.iter().enumerate() {
             for b in all[i + 1..].iter().filter(|b| tier_of(a, b) == tier && beeline(a, b) <= t.reach).step_by(3) {
-                let wet =
-                    |s: &Settlement| work.terrain.sample(node_at(node_near(s.centre.plan(), step), step)).depth() > 0.0;
+                let wet = |s: &Settlement| {
+                    inputs.terrain.sample(node_at(node_near(s.centre.plan(), step), step)).depth() > 0.0
+                };
                 if wet(a) || wet(b) {
                     continue;
                 }
-                let found = distance(work, tier, a, b, &Cancel::new()).unwrap();
+                let found = distances.distance(tier, a, b, &Cancel::new()).unwrap();
                 let corner = bounds.grown(4_000.0);
-                let strip = Strip::around(&[corner.min, corner.max], corner.size().length(), step, None);
-                let mut field = open_ground(work, tier, [a, b], strip).unwrap();
+                let corridor = Corridor::around(&[corner.min, corner.max], corner.size().length(), step, None);
+                let mut field = open_field(inputs, tier, [a, b], corridor, &everything).unwrap();
                 let (from, to) = (node_near(a.centre.plan(), step), node_near(b.centre.plan(), step));
                 let line = stencil_distance(to - from) * step as f64;
                 let best = brute_force(&mut field, from, to) * beeline(a, b) / line;

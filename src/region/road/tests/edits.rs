@@ -1,37 +1,38 @@
 //! Roads with the user's wishes.
 
 use super::*;
-use crate::edits::{EditList, Edits, Influence, RoadEdit, Shape, WayPoint};
+use crate::edits::{EditList, Influence, RoadEdit, Shape, WayPoint};
 use crate::space::{distance_to_line, line_length, point_at, segments};
 
 fn edited(seed: u64, flat: bool, edits: &Edits) -> Roads {
     assert_eq!(edits.check(), Ok(()));
-    let Work { settings, terrain, places, .. } = roads(seed, flat, &RoadSettings::default()).work;
-    Roads { work: Work::with_edits(&settings, terrain, places, edits, 256 << 20) }
+    let inputs = roads(seed, flat, &RoadSettings::default()).searches.inputs;
+    let (terrain, settlements) = (inputs.terrain.clone(), inputs.settlements.clone());
+    Roads::from_source(&inputs.settings, terrain, settlements, edits, 256 << 20)
 }
 
-/// The courses of a class from the settlements in a square.
-fn courses(roads: &Roads, tier: SizeClass, bounds: Bounds) -> Vec<Arc<course::Course>> {
+/// The routes of a tier from the settlements in a square.
+fn routes(roads: &Roads, tier: SizeClass, bounds: Bounds) -> Vec<Arc<Route>> {
     let mut out = Vec::new();
-    for s in roads.work.places.of_tier(bounds, tier).unwrap() {
-        out.extend(course::courses_of(&roads.work, tier, &s, &Cancel::new()).unwrap());
+    for s in roads.searches.inputs.settlements.centred_in(bounds, tier).unwrap() {
+        out.extend(roads.routes.of(tier, &s, &Cancel::new()).unwrap());
     }
     out.sort_by_key(|c| c.id);
     out.dedup_by_key(|c| c.id);
     out
 }
 
-fn ends(c: &course::Course) -> [DVec2; 2] {
+fn ends(c: &Route) -> [DVec2; 2] {
     [c.ends[0].centre.plan(), c.ends[1].centre.plan()]
 }
 
 #[test]
-fn a_led_road_passes_its_points_and_still_meets_others_at_junctions() {
-    let (mut led, mut refused) = (0, 0);
+fn a_road_through_points_passes_them_and_still_meets_others_at_junctions() {
+    let (mut passed, mut refused) = (0, 0);
     for seed in 30..34 {
         let bounds = Bounds::square(DVec2::ZERO, 9_000.0);
         let plain = roads(seed, false, &RoadSettings::default());
-        for c in courses(&plain, SizeClass::Town, bounds).iter().take(2) {
+        for c in routes(&plain, SizeClass::Town, bounds).iter().take(2) {
             let [from, to] = ends(c);
             let off = (to - from).perp() * 0.2;
             let points: Vec<DVec2> = [0.4, 0.6].map(|t| from.lerp(to, t) + off).to_vec();
@@ -42,10 +43,10 @@ fn a_led_road_passes_its_points_and_still_meets_others_at_junctions() {
                 refused += 1;
                 continue;
             }
-            led += 1;
-            let all_now = courses(&roads, SizeClass::Town, bounds);
+            passed += 1;
+            let all_now = routes(&roads, SizeClass::Town, bounds);
             let line = all_now.iter().find(|o| o.id == c.id).unwrap().line(128);
-            let near = |p: &DVec2| distance_to_line(*p, &line) <= led::VIA_STEPS * 128.0;
+            let near = |p: &DVec2| distance_to_line(*p, &line) <= super::via::TOLERANCE_STEPS * 128.0;
             assert!(points.iter().all(near), "{line:?}");
             assert!(segments(&line).all(|(a, b)| a != b));
             let square = Bounds::square(from.lerp(to, 0.5) + off, 4_000.0);
@@ -56,7 +57,7 @@ fn a_led_road_passes_its_points_and_still_meets_others_at_junctions() {
             assert_planar(&pieces, Origin::at(square.centre()));
         }
     }
-    assert!(led >= 3, "{led} {refused}");
+    assert!(passed >= 3, "{passed} {refused}");
 }
 
 #[test]
@@ -65,10 +66,10 @@ fn roads_are_kept_and_banned_against_the_proximity_rule() {
     let tier = SizeClass::Town;
     for seed in 40..43 {
         let plain = roads(seed, false, &RoadSettings::default());
-        let before = courses(&plain, tier, bounds);
+        let before = routes(&plain, tier, bounds);
         let banned = before.first().unwrap();
-        let all = plain.work.places.of_tier(bounds, tier).unwrap();
-        let reach = plain.work.settings.major.reach;
+        let all = plain.searches.inputs.settlements.centred_in(bounds, tier).unwrap();
+        let reach = plain.searches.inputs.settings.major.reach;
         let linked = |a: &Settlement, b: &Settlement| {
             before.iter().any(|c| {
                 let has = |s: &Settlement| c.ends.iter().any(|e| e.settlement == s.id);
@@ -76,9 +77,8 @@ fn roads_are_kept_and_banned_against_the_proximity_rule() {
             })
         };
         let pairs: Vec<_> = all.iter().flat_map(|a| all.iter().map(move |b| (a, b))).collect();
-        let apart = pairs.iter().find(|(a, b)| {
-            a.id < b.id && pairs::tier_of(a, b) == tier && pairs::beeline(a, b) < reach && !linked(a, b)
-        });
+        let apart =
+            pairs.iter().find(|(a, b)| a.id < b.id && tier_of(a, b) == tier && beeline(a, b) < reach && !linked(a, b));
         let Some((a, b)) = apart else { continue };
         let [from, to] = ends(banned);
         let edits = Edits {
@@ -90,14 +90,14 @@ fn roads_are_kept_and_banned_against_the_proximity_rule() {
             ..Edits::default()
         };
         let roads = edited(seed, false, &edits);
-        let after = courses(&roads, tier, bounds);
+        let after = routes(&roads, tier, bounds);
         assert!(!after.iter().any(|c| c.id == banned.id));
         let rejected = roads.rejected_edits(&Cancel::new()).unwrap();
-        assert!(rejected.iter().any(|e| e.index == 2 && e.reason.starts_with("roads[1] is about the same")));
+        assert!(rejected.iter().any(|e| e.index == 2 && e.reason.starts_with("roads[1] already names these two")));
         let kept = after.iter().filter(|c| c.ends[0].settlement == a.id && c.ends[1].settlement == b.id).count();
         assert_eq!(kept, usize::from(rejected.len() == 1), "{rejected:?}");
         // Nothing else changes but what ran along these two.
-        let others = |list: &[Arc<course::Course>]| list.iter().map(|c| c.id).collect::<Vec<_>>();
+        let others = |list: &[Arc<Route>]| list.iter().map(|c| c.id).collect::<Vec<_>>();
         let mut expected = others(&before);
         expected.retain(|id| *id != banned.id);
         let mut found = others(&after);
@@ -120,7 +120,7 @@ fn influences_drive_roads_off_and_draw_them_near() {
     let (mut off, mut near) = ([0.0; 2], [0.0; 2]);
     for seed in 50..53 {
         let plain = roads(seed, true, &RoadSettings::default());
-        for c in courses(&plain, SizeClass::Town, bounds).iter().filter(|c| c.nodes.len() > 20).take(2) {
+        for c in routes(&plain, SizeClass::Town, bounds).iter().filter(|c| c.nodes.len() > 20).take(2) {
             let (line, [from, to]) = (c.line(128), ends(c));
             let middle = point_at(&line, line_length(&line) / 2.0).0;
             let aside = from.lerp(to, 0.5) + (to - from).perp() * 0.12;
@@ -134,7 +134,7 @@ fn influences_drive_roads_off_and_draw_them_near() {
             let of = |influence: Influence| {
                 let edits = Edits { influences: vec![influence], ..Edits::default() };
                 let roads = edited(seed, true, &edits);
-                let found = courses(&roads, SizeClass::Town, bounds);
+                let found = routes(&roads, SizeClass::Town, bounds);
                 found.iter().find(|o| o.id == c.id).map(|c| c.line(128))
             };
             if let Some(now) = of(influence(Shape::Area(square(300.0)), 12.0)) {

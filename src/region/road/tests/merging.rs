@@ -1,33 +1,12 @@
 //! What merging leaves of the roads.
 
-use super::over;
+use super::overpass;
 use super::*;
-use crate::region::SettlementSettings;
-use crate::space::Seed;
-use crate::space::{distance_to_line, math::angle_between, point_at, polygon_distance, resample};
-use crate::terrain::{NoiseTerrain, TerrainSettings};
-
-/// A merge distance.
-fn with(merge: f64) -> RoadSettings {
-    RoadSettings { merge, ..RoadSettings::default() }
-}
-
-/// The default merge distance.
-const MERGE: f64 = 275.0;
-
-/// Roads of a world as it is by default.
-pub fn world(seed: u64, merge: f64) -> Roads {
-    let terrain = Arc::new(NoiseTerrain::new(Seed(seed), &TerrainSettings::default()));
-    let settlements = Settlements::new(Seed(seed), &SettlementSettings::default(), terrain.clone(), 32 << 20);
-    Roads::new(&with(merge), terrain, Arc::new(settlements), 256 << 20)
-}
-
-/// A world and a place in it, drawn.
-pub fn drawn(i: u64) -> (u64, DVec2) {
-    let mut stream = Seed(2026).stream("merging", &[i]);
-    let seed = stream.range(0.0, 1e9) as u64;
-    (seed, DVec2::new(stream.range(-4e5, 4e5), stream.range(-4e5, 4e5)).round())
-}
+use crate::region::road::budget::Budget;
+use crate::region::road::graph::Graphs;
+use crate::region::road::merge::MergedGraphs;
+use crate::region::road::tile;
+use crate::space::{DisjointSets, distance_to_line, math::angle_between, point_at, polygon_distance, resample};
 
 /// What a reader of the map would frown at, and where.
 #[derive(Debug, Default)]
@@ -68,13 +47,14 @@ fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
     let pieces = all(roads, bounds);
     assert_planar(&pieces, origin);
     let outlines: Vec<Vec<DVec2>> = roads
-        .work
-        .places
+        .searches
+        .inputs
+        .settlements
         .overlapping(bounds.grown(1_000.0))
         .unwrap()
         .iter()
         .map(|s| {
-            let outline = roads.work.places.outline(s).unwrap();
+            let outline = roads.searches.inputs.settlements.outline(s).unwrap();
             let shift = outline.origin.offset_to(origin);
             outline.polygon.iter().map(|p| *p + shift).collect()
         })
@@ -186,20 +166,23 @@ fn the_same_where_roads_merge_whatever_was_asked_before() {
 }
 
 #[test]
-fn the_same_where_feet_move_whatever_was_asked_before() {
+fn the_same_where_legs_are_realigned_whatever_was_asked_before() {
     let mut places = 0;
     for (seed, centre) in (0..24).map(drawn) {
         let roads = world(seed, MERGE);
         let cancel = Cancel::new();
-        let middle = (centre / (graph::TILE_STEPS * roads.work.settings.step) as f64).as_i64vec2();
+        let middle = (centre / (tile::TILE_STEPS * roads.searches.inputs.step()) as f64).as_i64vec2();
+        let (inputs, budget) = (&roads.searches.inputs, Budget::new(256 << 20));
+        let graphs = Arc::new(Graphs::new(inputs.clone(), roads.routes.clone(), budget));
+        let merged = MergedGraphs::new(inputs.clone(), graphs, budget);
         // Where a vertex is new.
-        let moved = around(middle, 3).find_map(|tile| {
-            let before = roads.work.merged(tile, &cancel).unwrap();
-            let after = roads.work.feet(tile, &cancel).unwrap();
-            after.vertices.iter().find(|(k, _)| !before.vertices.contains_key(k)).map(|(_, v)| v.place)
+        let moved = tile::tiles_around(middle, 3).find_map(|tile| {
+            let before = merged.merged(tile, &cancel).unwrap();
+            let after = merged.realigned(tile, &cancel).unwrap();
+            after.vertices.iter().find(|(k, _)| !before.vertices.contains_key(k)).map(|(_, v)| v.position)
         });
-        let Some(place) = moved else { continue };
-        assert_same_whatever_was_asked(|| world(seed, MERGE), place.origin.to_plan(place.offset), 1_000.0);
+        let Some(position) = moved else { continue };
+        assert_same_whatever_was_asked(|| world(seed, MERGE), position.plan(), 1_000.0);
         places += 1;
         if places == 2 {
             return;
@@ -211,12 +194,12 @@ fn the_same_where_feet_move_whatever_was_asked_before() {
 #[test]
 fn what_was_connected_stays_connected() {
     // But for crossings on two levels, which join nothing.
-    let world = |seed, merge| over::all_cross_by(world(seed, merge), Crossing::Junction);
+    let world = |seed, merge| overpass::all_cross_by(&world(seed, merge), Crossing::Junction);
     for (seed, centre) in [(107, DVec2::new(215_300.0, -8_300.0)), (1, DVec2::ZERO), (3, DVec2::new(5e8, -3e8))] {
         let window = Bounds::square(centre, 9_000.0);
         let unmerged = world(seed, 0.0);
         let mut before = components(&all(&unmerged, window));
-        let towns = unmerged.work.places.of_tier(window, SizeClass::Village).unwrap();
+        let towns = unmerged.searches.inputs.settlements.centred_in(window, SizeClass::Village).unwrap();
         let gates = towns.iter().flat_map(|s| unmerged.gates(s, &Cancel::new()).unwrap());
         let gates: Vec<u64> = gates.map(|g| g.junction.0).collect();
         before.retain(|id, _| gates.contains(id));
@@ -230,21 +213,12 @@ fn what_was_connected_stays_connected() {
     }
 }
 
-/// The component of each junction of a graph of pieces.
+/// The component of each junction of a graph of sections, as the id of one of its junctions.
 fn components(pieces: &[Arc<Road>]) -> BTreeMap<u64, u64> {
-    let mut parent: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
-    fn root(parent: &mut BTreeMap<JunctionId, JunctionId>, id: JunctionId) -> JunctionId {
-        let mut at = id;
-        while let Some(up) = parent.get(&at).copied().filter(|up| *up != at) {
-            at = up;
-        }
-        parent.insert(id, at);
-        at
-    }
+    let mut sets = DisjointSets::new();
     for r in pieces {
-        let (a, b) = (root(&mut parent, r.street.from), root(&mut parent, r.street.to));
-        parent.insert(b, a);
+        sets.union(r.street.from.0, r.street.to.0);
     }
-    let ids: Vec<JunctionId> = parent.keys().copied().collect();
-    ids.into_iter().map(|id| (id.0, root(&mut parent, id).0)).collect()
+    let ids = pieces.iter().flat_map(|r| [r.street.from.0, r.street.to.0]);
+    ids.map(|id| (id, sets.find(id))).collect()
 }

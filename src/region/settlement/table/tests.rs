@@ -31,7 +31,9 @@ fn degrees_are_projected() {
     assert!(table.rows[0].settlement.centre.plan().distance(expected) < 1.0);
     assert_eq!(read("name,x,y,sigma\nCorte,9.14917,42.30956,1").unwrap().rows[0].settlement, table.rows[0].settlement);
     assert!(read("name,x,y,sigma\nCorte,400000,42.3,1").unwrap_err().to_string().contains("-180 to 360"));
-    assert!(read("name,x,lon,y,sigma\n").unwrap_err().to_string().contains("lon is a second column"));
+    assert!(
+        read("name,x,lon,y,sigma\n").unwrap_err().to_string().contains("lon gives the same value as an earlier column")
+    );
 }
 
 #[test]
@@ -40,23 +42,26 @@ fn errors_say_where_and_what() {
     let change = |from: &str, to: &str| read(&file.replacen(from, to, 1)).unwrap_err().to_string();
     for (found, expected) in [
         (read("").unwrap_err().to_string(), "s.csv:1:1: the file is empty"),
-        (read("name,x,y,sigma\n\n").unwrap_err().to_string(), "s.csv:3:1: no settlement follows"),
-        (change("sigma", "size"), "s.csv:1:10: \"size\" is no column; columns are name x y sigma radius_m population"),
-        (change("radius_m", "y"), "s.csv:1:16: y is a second column"),
-        (change("sigma,radius_m", "radius_m"), "s.csv:1:1: the column sigma, or population in its place, is missing"),
-        (change(",5,", ","), "s.csv:3:1: this line has 4 fields; allowed is one for each of 5 columns"),
+        (read("name,x,y,sigma\n\n").unwrap_err().to_string(), "s.csv:3:1: the file has column names but no settlement"),
+        (
+            change("sigma", "size"),
+            "s.csv:1:10: \"size\" is not a column; the columns are name x y sigma radius_m population",
+        ),
+        (change("radius_m", "y"), "s.csv:1:16: y gives the same value as an earlier column"),
+        (change("sigma,radius_m", "radius_m"), "s.csv:1:1: the column sigma or population is missing"),
+        (change(",5,", ","), "s.csv:3:1: this line has 4 fields; it needs one for each of the 5 columns"),
         (change(",5,", ",5,6,"), "s.csv:3:17: this line has 6 fields"),
-        (change(",5,", ",five,"), "s.csv:3:9: x is \"five\"; allowed is a number"),
+        (change(",5,", ",five,"), "s.csv:3:9: x is \"five\"; it must be a number"),
         (change(",5,", ", inf,"), "s.csv:3:10: x is inf; allowed is -10000000000"),
         (change(",7,", ",nan,"), "s.csv:3:11: y is NaN; allowed is"),
-        (change(",7,", ",,"), "s.csv:3:11: y is \"\"; allowed is a number"),
-        (change(",0,150", ",3,150"), "s.csv:3:13: sigma is \"3\"; allowed is 0 (village), 1 (town) or 2 (city)"),
+        (change(",7,", ",,"), "s.csv:3:11: y is \"\"; it must be a number"),
+        (change(",0,150", ",3,150"), "s.csv:3:13: sigma is \"3\"; it must be 0 (village), 1 (town) or 2 (city)"),
         (change("150", "15"), "s.csv:3:15: radius_m is 15; allowed is 120 to 5000"),
-        (change("Île d'O", "Aix"), "s.csv:3:1: the name of line 2 again"),
-        (change("5,7", "0.2,0"), "s.csv:3:9: the place of line 2 again"),
-        (change("Île d'O", ""), "s.csv:3:1: name is \"\"; allowed"),
-        (change("Île d'O", "\"a\nb\""), "s.csv:3:1: name is \"a\\nb\"; allowed"),
-        (change("Île d'O", "\"Île d'O"), "s.csv:3:1: the quote that opens here is not closed"),
+        (change("Île d'O", "Aix"), "s.csv:3:1: line 2 has the same name"),
+        (change("5,7", "0.2,0"), "s.csv:3:9: line 2 has the same position"),
+        (change("Île d'O", ""), "s.csv:3:1: name is \"\"; it must"),
+        (change("Île d'O", "\"a\nb\""), "s.csv:3:1: name is \"a\\nb\"; it must"),
+        (change("Île d'O", "\"Île d'O"), "s.csv:3:1: the quote that opens here is never closed"),
     ] {
         assert!(found.starts_with(expected), "{found}\n{expected}");
         assert!(!found.contains('\n') && found.len() < 160, "{found}");
@@ -64,7 +69,7 @@ fn errors_say_where_and_what() {
     let last = read("name,sigma,x,y\nAix,0,0,\nIle,0,1,1").unwrap_err().to_string();
     assert!(last.starts_with("s.csv:2:9: y is \"\""), "{last}");
     let latin = SettlementTable::from_csv("s.csv", b"name,x,y,sigma\n\xcele,0,0,1", &Default::default(), None);
-    assert_eq!(latin.unwrap_err().to_string(), "s.csv:2:1: not UTF-8; allowed is text in UTF-8");
+    assert_eq!(latin.unwrap_err().to_string(), "s.csv:2:1: this is not UTF-8; save the file as UTF-8");
 }
 
 #[test]
@@ -77,11 +82,11 @@ fn inhabitants_make_size_classes() {
     assert_eq!(sizes(by.unwrap()), [1, 2, 2, 2]);
     let change = |from: &str, to: &str| read(&file.replacen(from, to, 1)).unwrap_err().to_string();
     for (found, expected) in [
-        (change("2000\n", "\n"), "s.csv:3:7: population is \"\"; allowed is a number, 0 to 100000000"),
-        (change("2000\n", "2 000\n"), "s.csv:3:7: population is \"2 000\"; allowed is a number"),
+        (change("2000\n", "\n"), "s.csv:3:7: population is \"\"; it must be a number from 0 to 100000000"),
+        (change("2000\n", "2 000\n"), "s.csv:3:7: population is \"2 000\"; it must be a number"),
         (change("2000\n", "-1\n"), "s.csv:3:7: population is -1; allowed is 0 to 100000000"),
         (change("2000\n", "nan\n"), "s.csv:3:7: population is NaN"),
-        (change("x", "sigma"), "s.csv:1:14: population is given besides sigma; allowed is one of them"),
+        (change("x", "sigma"), "s.csv:1:14: population is given in addition to sigma; give only one of them"),
     ] {
         assert!(found.starts_with(expected), "{found}\n{expected}");
     }

@@ -1,0 +1,197 @@
+//! Building the network of a finite domain.
+
+use super::check::{NetworkError, check_domain, check_settlements};
+use super::listed::{Listed, disc};
+use super::parallel::each;
+use super::routes::find_routes;
+use super::task::NetworkTask;
+use crate::network::{Junction, SizeClass};
+use crate::region::outline::Outline;
+use crate::region::road::budget::Budget;
+use crate::region::road::domain::Domain;
+use crate::region::road::inputs::Inputs;
+use crate::region::road::lattice::node_at;
+use crate::region::road::link::{Link, link};
+use crate::region::road::nodes::Nodes;
+use crate::region::road::sections::Road;
+use crate::region::road::settings::RoadSettings;
+use crate::region::road::steps::{Searches, sections};
+use crate::region::road::tile::tiles_in;
+use crate::region::settlement::{Settlement, SettlementId};
+use crate::space::{Bounds, Origin};
+use crate::terrain::{Scan, Terrain, TerrainSample};
+use glam::{DVec2, I64Vec2};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Memory for the caches, in bytes.
+const BYTES: usize = 1 << 30;
+
+/// Roads between the settlements of a finite domain.
+///
+/// ```
+/// use bevy_sprawl::region::{RoadNetwork, RoadSettings, SettlementSettings, SettlementTable};
+/// use bevy_sprawl::space::{Bounds, Seed};
+/// use bevy_sprawl::terrain::{Band, Holes, Raster, RasterTerrain};
+/// use std::sync::Arc;
+///
+/// let heights = b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 8000\n 12 14 20\n 30 8 11\n";
+/// let terrain = RasterTerrain::new(Raster::from_ascii("plain.asc", heights, Band::Height, Holes::Refuse)?)?;
+/// let towns = b"name,x,y,sigma\nEast,21000,7000,1\nWest,2000,5000,2\nNorth,9000,15000,0\n";
+/// let towns = SettlementTable::from_csv("towns.csv", towns, &SettlementSettings::default(), None)?;
+///
+/// let settlements: Vec<_> = towns.settlements().cloned().collect();
+/// let settings = RoadSettings::finite(250);
+/// let network = RoadNetwork::build(terrain.bounds(), Arc::new(terrain), &settlements, &settings)?;
+/// assert_eq!(network.links.len(), 3);
+/// assert!(network.unreached.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoadNetwork {
+    /// The domain, in plan metres.
+    pub domain: Bounds,
+    /// The settlements, sorted by id.
+    pub settlements: Vec<Arc<Settlement>>,
+    /// The outline of each settlement, in the same order: the outline where roads stop, or, for a settlement whose roads end at
+    /// its centre, a disc of its radius.
+    pub outlines: Vec<Arc<Outline>>,
+    /// The connections that the proximity rule keeps, sorted by id.
+    pub links: Vec<Arc<Link>>,
+    /// Sections of road between gates, centres and junctions, sorted by id.
+    pub roads: Vec<Arc<Road>>,
+    /// Settlements that no road reaches, because of water or cost. Sorted.
+    pub unreached: Vec<SettlementId>,
+}
+
+/// A terrain that is never read outside a box. Beyond the border of the box, everything is as at the border.
+struct Inside {
+    terrain: Arc<dyn Terrain>,
+    bounds: Bounds,
+}
+
+impl Terrain for Inside {
+    fn sample(&self, p: DVec2) -> TerrainSample {
+        self.terrain.sample(p.clamp(self.bounds.min, self.bounds.max))
+    }
+
+    fn scan(&self) -> Scan<'_> {
+        let mut scan = self.terrain.scan();
+        Box::new(move |p| scan(p.clamp(self.bounds.min, self.bounds.max)))
+    }
+}
+
+impl RoadNetwork {
+    /// Builds roads between `settlements`, which lie in `domain` (plan metres), over `terrain`. For `settings` see
+    /// [`RoadSettings::finite`].
+    ///
+    /// # Errors
+    ///
+    /// Fails if a setting is out of range ([`RoadSettings::check_finite`]), if the lattice of the domain has fewer than 4 or more
+    /// than 4 Mi nodes, or if there are fewer than two settlements. Also fails if a settlement lies outside the domain, under
+    /// water or nearer than 1.5 steps of the lattice to another one, or has the id of another one.
+    pub fn build(
+        domain: Bounds,
+        terrain: Arc<dyn Terrain>,
+        settlements: &[Settlement],
+        settings: &RoadSettings,
+    ) -> Result<Self, NetworkError> {
+        Self::build_as(domain, terrain, settlements, settings, &NetworkTask::default())
+    }
+
+    /// The same on several threads, with a cancel token and a report of the progress.
+    ///
+    /// # Errors
+    ///
+    /// Fails for the reasons of [`build`](Self::build), and if the task is cancelled.
+    pub fn build_as(
+        domain: Bounds,
+        terrain: Arc<dyn Terrain>,
+        settlements: &[Settlement],
+        settings: &RoadSettings,
+        task: &NetworkTask<'_>,
+    ) -> Result<Self, NetworkError> {
+        settings.check_finite()?;
+        check_domain(domain, settings.step)?;
+        check_settlements(domain, &*terrain, settlements, settings.step)?;
+        let all: Vec<Arc<Settlement>> = settlements.iter().cloned().map(Arc::new).collect();
+        let terrain: Arc<dyn Terrain> = Arc::new(Inside { terrain, bounds: domain });
+        let (mut listed, mut searches) = searches(domain, &terrain, &all, settings, &[]);
+        // Where ground and domain leave the disc of a settlement no gate, the settlement becomes a node.
+        let mut nodes = Vec::new();
+        for s in all.iter().filter(|s| !listed.is_node(s.id)) {
+            if !searches.sites.site(s)?.ties.iter().any(|t| domain.contains(node_at(t.node, settings.step))) {
+                nodes.push(s.id);
+            }
+        }
+        if !nodes.is_empty() {
+            nodes.sort_unstable();
+            (listed, searches) = self::searches(domain, &terrain, &all, settings, &nodes);
+        }
+        let budget = Budget::new(BYTES);
+        let mut routes = searches.routes(budget);
+        for tier in SizeClass::ALL {
+            let found = find_routes(&searches, &routes, tier, task)?;
+            routes.set_found(tier, found);
+        }
+        let routes = Arc::new(routes);
+        let inputs = &searches.inputs;
+        let found: Vec<_> = routes.found().collect();
+        let measure = |route: &&Arc<_>| Ok(Arc::new(link(inputs, &searches.distances, route, &task.cancel)?));
+        let mut links = each(task, "measuring roads", &found, measure)?;
+        links.sort_by_key(|l| l.id);
+        let sections = sections(inputs, &routes, budget);
+        let tiles: Vec<I64Vec2> = tiles_in(domain, settings.step).collect();
+        let parts = each(task, "shaping roads", &tiles, |tile| sections.of_tile(*tile, &task.cancel))?;
+        let mut roads: Vec<&Arc<Road>> = parts.iter().flat_map(|p| &p.0).collect();
+        roads.sort_by_key(|r| r.street.id);
+        roads.dedup_by_key(|r| r.street.id);
+        let outline = |s: &Arc<Settlement>| {
+            let stop = listed.stop(s.id).cloned();
+            stop.unwrap_or_else(|| Arc::new(disc(s, s.radius, 1)))
+        };
+        let reached = |id: SettlementId| links.iter().any(|l| l.from == id || l.to == id);
+        Ok(Self {
+            domain,
+            outlines: listed.all.iter().map(outline).collect(),
+            unreached: listed.all.iter().map(|s| s.id).filter(|id| !reached(*id)).collect(),
+            settlements: listed.all.clone(),
+            roads: roads.into_iter().cloned().collect(),
+            links,
+        })
+    }
+
+    /// The ends of all sections of road, sorted by id, local to an origin.
+    pub fn junctions(&self, origin: Origin) -> Vec<Junction> {
+        let mut out = BTreeMap::new();
+        for road in &self.roads {
+            let (street, shift) = (&road.street, road.origin.offset_to(origin));
+            let ends = [(street.from, street.line.first()), (street.to, street.line.last())];
+            out.extend(ends.into_iter().filter_map(|(id, at)| Some((id, *at? + shift))));
+        }
+        out.into_iter().map(|(id, at)| Junction { id, at }).collect()
+    }
+
+    /// Total length of all sections of road, in metres.
+    pub fn length(&self) -> f64 {
+        self.roads.iter().fold(0.0, |sum, r| sum + r.street.length())
+    }
+}
+
+/// The settlements of a domain as roads see them, and the searches between them. The settlements in `nodes` (sorted ids) are
+/// nodes, whatever their size.
+fn searches(
+    domain: Bounds,
+    terrain: &Arc<dyn Terrain>,
+    all: &[Arc<Settlement>],
+    settings: &RoadSettings,
+    nodes: &[SettlementId],
+) -> (Arc<Listed>, Searches) {
+    let budget = Budget::new(BYTES);
+    let listed = Arc::new(Listed::new(all.to_vec(), settings.step, nodes));
+    let small: Vec<Arc<Settlement>> = listed.all.iter().filter(|s| listed.is_node(s.id)).cloned().collect();
+    let nodes = Nodes::new(&small, domain, &**terrain, settings.step);
+    let mut inputs = Inputs::new(settings, terrain.clone(), listed.clone(), budget);
+    (inputs.nodes, inputs.domain) = (nodes, Some(Domain(domain)));
+    (listed, Searches::new(inputs, budget))
+}

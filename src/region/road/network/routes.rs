@@ -1,0 +1,92 @@
+//! The routes of a finite domain, tier by tier.
+
+use super::parallel::each;
+use super::task::NetworkTask;
+use crate::layer::LayerError;
+use crate::network::SizeClass;
+use crate::region::road::proximity::is_hopeless;
+use crate::region::road::route::Route;
+use crate::region::road::routes::Routes;
+use crate::region::road::steps::Searches;
+use crate::region::road::tier::{beeline, class_of, tier_of};
+use crate::region::settlement::{Settlement, SettlementId};
+use crate::space::{Bounds, DisjointSets};
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// If the road of a pair finds no path, its corridor becomes this much wider in the second and third attempt.
+const WIDER: [f64; 2] = [3.0, 12.0];
+
+/// A pair of settlements.
+type Pair<'a> = (&'a Arc<Settlement>, &'a Arc<Settlement>);
+
+/// The routes of a tier, sorted by id. The routes of higher tiers are set in `routes`.
+pub(super) fn find_routes(
+    searches: &Searches,
+    routes: &Routes,
+    tier: SizeClass,
+    task: &NetworkTask<'_>,
+) -> Result<Vec<Arc<Route>>, LayerError> {
+    let everywhere = Bounds::new(DVec2::NEG_INFINITY, DVec2::INFINITY);
+    let all = searches.inputs.settlements.centred_in(everywhere, tier)?;
+    let t = searches.inputs.tier(tier);
+    let rows: Vec<usize> = (0..all.len()).collect();
+    let choose = |fits: &(dyn Fn(&Settlement, &Settlement) -> bool + Sync)| {
+        let row = |i: &usize| {
+            let a = &all[*i];
+            let wanted = |b: &&Arc<Settlement>| tier_of(a, b) == tier && beeline(a, b) <= t.reach && fits(a, b);
+            Ok(all[i + 1..].iter().filter(wanted).map(|b| (a, b)).collect::<Vec<_>>())
+        };
+        Ok(each(task, "choosing pairs", &rows, row)?.concat())
+    };
+    let mut wanted = choose(&|a, b| !is_hopeless(t, a, b, &all))?;
+    let (mut out, mut tried): (Vec<Arc<Route>>, BTreeSet<_>) = Default::default();
+    // Whether a pair is hopeless is judged by beelines, which may mislead in mountains. The cheapest path from one part of the
+    // network to the rest is never ruled out by the proximity rule; it is found among all pairs of different parts.
+    while !wanted.is_empty() {
+        let found = kept_routes(searches, routes, tier, &wanted, task)?;
+        let stuck = found.is_empty() && !tried.is_empty();
+        out.extend(found);
+        tried.extend(wanted.iter().map(|(a, b)| (a.id, b.id)));
+        let parts = parts(&all, routes.found().chain(&out));
+        let apart = |a: &Settlement, b: &Settlement| parts.get(&a.id) != parts.get(&b.id);
+        wanted = if stuck { Vec::new() } else { choose(&|a, b| apart(a, b) && !tried.contains(&(a.id, b.id)))? };
+    }
+    out.sort_by_key(|c| c.id);
+    Ok(out)
+}
+
+/// The part of the network that each settlement belongs to, as the id of one of its settlements.
+fn parts<'a>(
+    all: &[Arc<Settlement>],
+    routes: impl Iterator<Item = &'a Arc<Route>>,
+) -> BTreeMap<SettlementId, SettlementId> {
+    let mut sets = DisjointSets::new();
+    for route in routes {
+        sets.union(route.ends[0].settlement, route.ends[1].settlement);
+    }
+    all.iter().map(|s| (s.id, sets.find(s.id))).collect()
+}
+
+/// Routes of the pairs among `tried` that the proximity rule keeps.
+fn kept_routes(
+    searches: &Searches,
+    routes: &Routes,
+    tier: SizeClass,
+    tried: &[Pair<'_>],
+    task: &NetworkTask<'_>,
+) -> Result<Vec<Arc<Route>>, LayerError> {
+    let what = format!("finding {} roads", class_of(tier).name());
+    let keeps = each(task, &what, tried, |(a, b)| searches.proximity.keeps(a, b, &task.cancel))?;
+    let mut pairs: Vec<Pair<'_>> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
+    let mut out: Vec<Arc<Route>> = Vec::new();
+    let corridor = searches.inputs.tier(tier).corridor;
+    for wider in [1.0].into_iter().chain(WIDER) {
+        let found = each(task, &what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, &task.cancel))?;
+        let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| *p).collect();
+        out.extend(found.into_iter().flatten().map(Arc::new));
+        pairs = blocked;
+    }
+    Ok(out)
+}
