@@ -96,24 +96,24 @@ impl Continent {
             coast: Fractal::new(seed, 4, 5_300.0, 0.5, slots),
             sea: 0.0,
         };
-        continent.sea = quantile(seed, 3, size, sea_share, |p| continent.wide(p, &mut FreshCorners::new()));
+        continent.sea = quantile(seed, 3, size, sea_share, |p| continent.large_scale(p, &mut FreshCorners::new()));
         continent
     }
 
-    fn wide(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
+    fn large_scale(&self, p: DVec2, corners: &mut impl Corners) -> f64 {
         let warp = DVec2::from(self.warp.at(p, corners));
         self.field.at(p + warp * self.warp_by, corners) - self.sea
     }
 
     /// The continent field without and with the detail of the coast: positive on land, negative in the sea.
     fn at(&self, p: DVec2, corners: &mut impl Corners) -> (f64, f64) {
-        let wide = self.wide(p, corners);
-        let x = wide / INLAND;
+        let large_scale = self.large_scale(p, corners);
+        let x = large_scale / INLAND;
         if x.abs() >= 1.0 {
-            return (wide, wide);
+            return (large_scale, large_scale);
         }
         let fade = (1.0 - x * x) * (1.0 - x * x);
-        (wide, wide + COAST_DETAIL * fade * self.coast.at(p, corners).clamp(-1.0, 1.0))
+        (large_scale, large_scale + COAST_DETAIL * fade * self.coast.at(p, corners).clamp(-1.0, 1.0))
     }
 }
 
@@ -148,8 +148,8 @@ impl Ground {
     /// The ground at a plan point.
     pub fn at(&self, p: DVec2, corners: &mut impl Corners) -> Shape {
         let s = &self.settings;
-        let (wide, coast) = self.continent.at(p, corners);
-        let table = s.inland_height * math::smoothstep(INLAND, 0.95, wide);
+        let (large_scale, coast) = self.continent.at(p, corners);
+        let table = s.inland_height * math::smoothstep(INLAND, 0.95, large_scale);
         let river = self.rivers.at(p, corners);
 
         // Relief grows away from rivers, and mountains stand on watersheds.

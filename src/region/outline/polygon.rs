@@ -244,12 +244,12 @@ fn free_arc(curve: &[DVec2], held: &[bool], from: DVec2, to: DVec2) -> Vec<DVec2
 /// Vertices along a curve, evenly spaced, and moved inwards to dry ground where a chord cuts a bay. For a `closed` curve they
 /// go all around; for an open curve they lie between its ends, which are vertices already.
 fn vertices(terrain: &dyn Terrain, origin: Origin, curve: &[DVec2], closed: bool) -> Vec<DVec2> {
-    let pieces = if closed { curve.len() } else { curve.len() - 1 };
+    let sides = if closed { curve.len() } else { curve.len() - 1 };
     let mut along = vec![0.0];
-    for i in 0..pieces {
+    for i in 0..sides {
         along.push(along[i] + curve[i].distance(curve[(i + 1) % curve.len()]));
     }
-    let length = along[pieces];
+    let length = along[sides];
     let least = if closed { 3.0 } else { 1.0 };
     let wanted = (length / SPACING).round().max(least);
     let mut best: Option<(f64, Vec<DVec2>)> = None;
@@ -263,7 +263,7 @@ fn vertices(terrain: &dyn Terrain, origin: Origin, curve: &[DVec2], closed: bool
         let mut polygon: Vec<DVec2> = (usize::from(!closed)..n as usize).map(point).collect();
         if !closed {
             polygon.insert(0, curve[0]);
-            polygon.push(curve[pieces]);
+            polygon.push(curve[sides]);
         }
         let last = polygon.len() - usize::from(!closed);
         let edges = (0..last).map(|i| polygon[i].distance(polygon[(i + 1) % polygon.len()]));

@@ -274,8 +274,8 @@ fn across(
             if !ended_here || last - first > OBLIQUE * width || last + ROOM > limit {
                 return None;
             }
-            let course = Ray { centre, direction: way, from: last, limit, detail: Detail::Full };
-            let end = course.cast(ground, max_slope).reach;
+            let ray = Ray { centre, direction: way, from: last, limit, detail: Detail::Full };
+            let end = ray.cast(ground, max_slope).reach;
             (end >= last + ROOM).then_some((last, end))
         })
         .collect();

@@ -50,11 +50,11 @@ fn a_road_through_points_passes_them_and_still_meets_others_at_junctions() {
             assert!(points.iter().all(near), "{line:?}");
             assert!(segments(&line).all(|(a, b)| a != b));
             let square = Bounds::square(from.lerp(to, 0.5) + off, 4_000.0);
-            let pieces = all(&roads, square);
+            let sections = all(&roads, square);
             assert!(
-                pieces.iter().any(|r| r.street.line.iter().any(|p| r.origin.to_plan(*p).distance(points[0]) < 500.0))
+                sections.iter().any(|r| r.street.line.iter().any(|p| r.origin.to_plan(*p).distance(points[0]) < 500.0))
             );
-            assert_planar(&pieces, Origin::at(square.centre()));
+            assert_planar(&sections, Origin::at(square.centre()));
         }
     }
     assert!(passed >= 3, "{passed} {refused}");
@@ -178,27 +178,27 @@ fn far_roads_know_nothing_of_influences_and_ground_is_read_within_the_padding() 
     }
 }
 
-/// Way points at drawn places in a square.
-fn drawn_way_points(seed: u64, middle: DVec2, size: f64, count: usize) -> Vec<WayPoint> {
+/// Way points at random places in a square.
+fn random_way_points(seed: u64, middle: DVec2, size: f64, count: usize) -> Vec<WayPoint> {
     let mut stream = crate::space::Seed(seed).stream("way points", &[]);
     let classes = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor];
-    let mut drawn = || {
+    let mut random = || {
         let at = (middle + DVec2::new(stream.signed(), stream.signed()) * (size / 2.0)).round();
         WayPoint { at, class: classes[stream.index(3)] }
     };
-    (0..count).map(|_| drawn()).collect()
+    (0..count).map(|_| random()).collect()
 }
 
 #[test]
 fn roads_lead_to_way_points_and_through_them() {
     let mut degrees: BTreeMap<(StreetClass, usize), usize> = BTreeMap::new();
     for (seed, middle) in [(70, DVec2::ZERO), (71, DVec2::new(-90_000.0, 41_000.0)), (72, DVec2::new(6e8, -2e8))] {
-        let way_points = drawn_way_points(seed, middle, 9_000.0, 6);
+        let way_points = random_way_points(seed, middle, 9_000.0, 6);
         let edits = Edits { way_points: way_points.clone(), ..Edits::default() };
         let roads = edited(seed, false, &edits);
         let square = Bounds::square(middle, 11_000.0);
-        let pieces = all(&roads, square);
-        assert_planar(&pieces, Origin::at(middle));
+        let sections = all(&roads, square);
+        assert_planar(&sections, Origin::at(middle));
         let rejected = roads.rejected_edits(&Cancel::new()).unwrap();
         assert!(rejected.iter().all(|e| e.list == EditList::WayPoints), "{rejected:?}");
         assert!(roads.way_points().len() + rejected.len() >= way_points.len());
@@ -206,7 +206,7 @@ fn roads_lead_to_way_points_and_through_them() {
             let point = roads.way_points().iter().find(|p| p.centre.plan() == w.at).unwrap();
             let junction = roads.way_point_junction(point.id);
             let mut arriving = Vec::new();
-            for r in &pieces {
+            for r in &sections {
                 let line = &r.street.line;
                 let ends = [(r.street.from, line[0]), (r.street.to, line[line.len() - 1])];
                 for (_, end) in ends.into_iter().filter(|e| e.0 == junction) {

@@ -1,5 +1,5 @@
 //! Worlds for the tests of roads, and checks that several of them make: a small world of hills, a river, lakes and settlements on
-//! jittered lattices, and drawn worlds on the default terrain.
+//! jittered lattices, and random worlds on the default terrain.
 
 use super::super::source::SettlementSource;
 use super::super::{Road, RoadSettings, Roads};
@@ -154,8 +154,8 @@ pub fn world(seed: u64, merge: f64) -> Roads {
     Roads::new(&with_merge(merge), terrain, Arc::new(settlements), 256 << 20)
 }
 
-/// A world and a place in it, drawn.
-pub fn drawn(i: u64) -> (u64, DVec2) {
+/// A random world, and a random place in it.
+pub fn random_place(i: u64) -> (u64, DVec2) {
     let mut stream = Seed(2026).stream("merging", &[i]);
     let seed = stream.range(0.0, 1e9) as u64;
     (seed, DVec2::new(stream.range(-4e5, 4e5), stream.range(-4e5, 4e5)).round())
@@ -166,10 +166,10 @@ pub fn all(roads: &Roads, bounds: Bounds) -> Vec<Arc<Road>> {
     roads.overlapping(bounds, &Cancel::new()).unwrap()
 }
 
-/// Segments of pieces around a common origin: piece, index in its line, ends.
-pub fn local_segments(pieces: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize, DVec2, DVec2)> {
+/// Segments of sections around a common origin: section, index in its line, ends.
+pub fn local_segments(sections: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize, DVec2, DVec2)> {
     let mut out = Vec::new();
-    for (i, r) in pieces.iter().enumerate() {
+    for (i, r) in sections.iter().enumerate() {
         let shift = r.origin.offset_to(origin);
         out.extend(segments(&r.street.line).enumerate().map(|(k, (a, b))| (i, k, a + shift, b + shift)));
     }
@@ -177,10 +177,10 @@ pub fn local_segments(pieces: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize
     out
 }
 
-/// Panics unless pieces meet at shared junctions only.
-pub fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
+/// Panics unless sections meet at shared junctions only.
+pub fn assert_planar(sections: &[Arc<Road>], origin: Origin) {
     let mut at: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
-    for r in pieces {
+    for r in sections {
         assert_eq!(r.heights.len(), r.street.line.len());
         let (line, shift) = (&r.street.line, r.origin.offset_to(origin));
         assert!(line.iter().all(|p| quantize(*p) == *p));
@@ -189,7 +189,7 @@ pub fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
             assert_eq!(*at.entry(id).or_insert(p + shift), p + shift);
         }
     }
-    let segments = local_segments(pieces, origin);
+    let segments = local_segments(sections, origin);
     for (n, (i, k, a, b)) in segments.iter().enumerate() {
         assert_ne!(a, b);
         for (j, l, c, d) in &segments[n + 1..] {
@@ -200,7 +200,7 @@ pub fn assert_planar(pieces: &[Arc<Road>], origin: Origin) {
                 continue;
             }
             let Some(x) = segment_crossing(*a, *b, *c, *d) else { continue };
-            let (r, s) = (&pieces[*i].street, &pieces[*j].street);
+            let (r, s) = (&sections[*i].street, &sections[*j].street);
             if r.level != s.level {
                 continue;
             }

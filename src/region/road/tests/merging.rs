@@ -11,15 +11,15 @@ use crate::space::{DisjointSets, distance_to_line, math::angle_between, point_at
 /// What a reader of the map would frown at, and where.
 #[derive(Debug, Default)]
 struct Flaws {
-    /// Pairs of pieces that keep closer than the merge distance over more than 2.5 times that.
-    twins: Vec<DVec2>,
-    /// Pairs of pieces that leave a junction at less than 30 degrees.
+    /// Pairs of sections that keep closer than the merge distance over more than 2.5 times that.
+    parallel: Vec<DVec2>,
+    /// Pairs of sections that leave a junction at less than 30 degrees.
     sharp: Vec<DVec2>,
     /// Those of them further than 330 m from outlines.
     sharp_outside: Vec<DVec2>,
     /// Pieces that turn by more than 80 degrees within 60 m.
     spikes: Vec<DVec2>,
-    /// Length of all pieces in kilometres.
+    /// Length of all sections in kilometres.
     km: f64,
 }
 
@@ -44,8 +44,8 @@ fn sharpest_turn(line: &[DVec2]) -> Option<(DVec2, f64)> {
 /// Flaws in a box.
 fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
     let origin = Origin::at(bounds.centre());
-    let pieces = all(roads, bounds);
-    assert_planar(&pieces, origin);
+    let sections = all(roads, bounds);
+    assert_planar(&sections, origin);
     let outlines: Vec<Vec<DVec2>> = roads
         .searches
         .inputs
@@ -61,21 +61,21 @@ fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
         .collect();
     let in_town = |p: DVec2| outlines.iter().any(|o| point_in_polygon(p, o) || polygon_distance(p, p, o) < 330.0);
     let lines: Vec<Vec<DVec2>> =
-        pieces.iter().map(|r| r.street.line.iter().map(|p| *p + r.origin.offset_to(origin)).collect()).collect();
+        sections.iter().map(|r| r.street.line.iter().map(|p| *p + r.origin.offset_to(origin)).collect()).collect();
     let mut out =
         Flaws { km: lines.iter().map(|l| crate::space::line_length(l)).sum::<f64>() / 1000.0, ..Flaws::default() };
     for (i, a) in lines.iter().enumerate() {
         let near = Bounds::of(a.iter().copied()).grown(MERGE);
         for b in lines[i + 1..].iter().filter(|b| near.overlaps(Bounds::of(b.iter().copied()))) {
             if longest_run(a, b, MERGE).min(longest_run(b, a, MERGE)) > 2.5 * MERGE {
-                out.twins.push(origin.to_plan(point_at(a, crate::space::line_length(a) / 2.0).0));
+                out.parallel.push(origin.to_plan(point_at(a, crate::space::line_length(a) / 2.0).0));
             }
         }
         let turn = sharpest_turn(a).filter(|t| t.1 > 1.4);
         out.spikes.extend(turn.map(|t| origin.to_plan(t.0)));
     }
     let mut leaving: BTreeMap<JunctionId, Vec<(DVec2, DVec2)>> = BTreeMap::new();
-    for (r, line) in pieces.iter().zip(&lines) {
+    for (r, line) in sections.iter().zip(&lines) {
         let back: Vec<DVec2> = line.iter().rev().copied().collect();
         for (id, line) in [(r.street.from, line), (r.street.to, &back)] {
             leaving.entry(id).or_default().push((line[0], point_at(line, 60.0).0 - line[0]));
@@ -99,7 +99,7 @@ fn flaws_of(windows: impl Iterator<Item = (u64, DVec2)>, merge: f64) -> Flaws {
     let mut sum = Flaws::default();
     for (seed, centre) in windows {
         let found = flaws(&world(seed, merge), Bounds::square(centre, 10_000.0));
-        sum.twins.extend(found.twins);
+        sum.parallel.extend(found.parallel);
         sum.sharp.extend(found.sharp);
         sum.sharp_outside.extend(found.sharp_outside);
         sum.spikes.extend(found.spikes);
@@ -111,19 +111,19 @@ fn flaws_of(windows: impl Iterator<Item = (u64, DVec2)>, merge: f64) -> Flaws {
 /// Panics unless windows are without flaws.
 fn assert_flawless(windows: impl Iterator<Item = (u64, DVec2)>, km: f64) {
     let found = flaws_of(windows, MERGE);
-    assert!(found.twins.is_empty() && found.spikes.is_empty() && found.sharp_outside.is_empty(), "{found:?}");
+    assert!(found.parallel.is_empty() && found.spikes.is_empty() && found.sharp_outside.is_empty(), "{found:?}");
     // Near settlements a fork may have no room.
     assert!(found.sharp.len() <= 2 && found.km > km, "{found:?}");
 }
 
 #[test]
-fn no_twins_sharp_forks_or_spikes_are_left_in_drawn_places() {
-    assert_flawless((0..12).map(drawn), 800.0);
+fn no_parallel_roads_sharp_forks_or_spikes_are_left_in_random_places() {
+    assert_flawless((0..12).map(random_place), 800.0);
 }
 
 #[test]
 fn nor_in_others() {
-    assert_flawless((12..24).map(drawn), 600.0);
+    assert_flawless((12..24).map(random_place), 600.0);
 }
 
 #[test]
@@ -134,14 +134,14 @@ fn nor_along_a_line_of_worlds() {
 
 #[test]
 fn no_road_crosses_another_to_come_back_to_it() {
-    let found = flaws_of([drawn(70)].into_iter(), MERGE);
+    let found = flaws_of([random_place(70)].into_iter(), MERGE);
     assert!(found.spikes.is_empty() && found.km > 50.0, "{found:?}");
 }
 
 #[test]
 fn flaws_are_there_without_merging() {
-    let (before, after) = (flaws_of((0..8).map(drawn), 0.0), flaws_of((0..8).map(drawn), MERGE));
-    assert!(before.sharp.len() > 8 && !before.twins.is_empty(), "{before:?}");
+    let (before, after) = (flaws_of((0..8).map(random_place), 0.0), flaws_of((0..8).map(random_place), MERGE));
+    assert!(before.sharp.len() > 8 && !before.parallel.is_empty(), "{before:?}");
     assert!(after.km > 0.95 * before.km, "{before:?} {after:?}");
 }
 
@@ -168,7 +168,7 @@ fn the_same_where_roads_merge_whatever_was_asked_before() {
 #[test]
 fn the_same_where_legs_are_realigned_whatever_was_asked_before() {
     let mut places = 0;
-    for (seed, centre) in (0..24).map(drawn) {
+    for (seed, centre) in (0..24).map(random_place) {
         let roads = world(seed, MERGE);
         let cancel = Cancel::new();
         let middle = (centre / (tile::TILE_STEPS * roads.searches.inputs.step()) as f64).as_i64vec2();
@@ -214,11 +214,11 @@ fn what_was_connected_stays_connected() {
 }
 
 /// The component of each junction of a graph of sections, as the id of one of its junctions.
-fn components(pieces: &[Arc<Road>]) -> BTreeMap<u64, u64> {
+fn components(sections: &[Arc<Road>]) -> BTreeMap<u64, u64> {
     let mut sets = DisjointSets::new();
-    for r in pieces {
+    for r in sections {
         sets.union(r.street.from.0, r.street.to.0);
     }
-    let ids = pieces.iter().flat_map(|r| [r.street.from.0, r.street.to.0]);
+    let ids = sections.iter().flat_map(|r| [r.street.from.0, r.street.to.0]);
     ids.map(|id| (id, sets.find(id))).collect()
 }

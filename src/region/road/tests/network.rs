@@ -3,22 +3,22 @@
 use super::*;
 
 #[test]
-fn pieces_meet_at_junctions_and_end_in_gates() {
+fn sections_meet_at_junctions_and_end_in_gates() {
     for (seed, centre) in [(1, DVec2::ZERO), (2, DVec2::new(-40_000.0, 31_000.0)), (3, DVec2::new(5e8, -3e8))] {
         let roads = roads(seed, false, &RoadSettings::default());
         let bounds = Bounds::square(centre, 10_000.0);
-        let pieces = all(&roads, bounds);
-        assert!(pieces.len() > 20, "{}", pieces.len());
-        assert_planar(&pieces, Origin::at(centre));
+        let sections = all(&roads, bounds);
+        assert!(sections.len() > 20, "{}", sections.len());
+        assert_planar(&sections, Origin::at(centre));
         let mut ends: BTreeMap<JunctionId, usize> = BTreeMap::new();
-        for r in &pieces {
+        for r in &sections {
             for id in [r.street.from, r.street.to] {
                 *ends.entry(id).or_default() += 1;
             }
         }
         let inner = bounds.grown(-3_000.0);
         let mut gates = Vec::new();
-        let segments = local_segments(&pieces, Origin::at(centre));
+        let segments = local_segments(&sections, Origin::at(centre));
         for s in roads.searches.inputs.settlements.centred_in(bounds.grown(3_000.0), SizeClass::Village).unwrap() {
             let outline = roads.searches.inputs.settlements.outline(&s).unwrap();
             let shift = Origin::at(centre).offset_to(s.centre);
@@ -27,15 +27,15 @@ fn pieces_meet_at_junctions_and_end_in_gates() {
                 assert_eq!(outline.polygon[g.vertex], g.at);
                 assert!((g.inward.length() - 1.0).abs() < 1e-9);
                 if inner.contains(s.centre.to_plan(g.at)) {
-                    let piece = pieces.iter().find(|r| [r.street.from, r.street.to].contains(&g.junction)).unwrap();
-                    assert_eq!(piece.street.class, g.class);
-                    let line = &piece.street.line;
-                    let (end, before) = if piece.street.to == g.junction {
+                    let section = sections.iter().find(|r| [r.street.from, r.street.to].contains(&g.junction)).unwrap();
+                    assert_eq!(section.street.class, g.class);
+                    let line = &section.street.line;
+                    let (end, before) = if section.street.to == g.junction {
                         (line[line.len() - 1], line[line.len() - 2])
                     } else {
                         (line[0], line[1])
                     };
-                    assert_eq!(end + piece.origin.offset_to(s.centre), g.at);
+                    assert_eq!(end + section.origin.offset_to(s.centre), g.at);
                     assert!((end - before).normalize().dot(g.inward) > 0.99);
                 }
             }
@@ -59,7 +59,7 @@ fn pieces_meet_at_junctions_and_end_in_gates() {
             gates.extend(own.iter().map(|g| g.junction));
         }
         // No road stops in a field.
-        for r in &pieces {
+        for r in &sections {
             let line = &r.street.line;
             for (id, p) in [(r.street.from, line[0]), (r.street.to, line[line.len() - 1])] {
                 if inner.contains(r.origin.to_plan(p)) {
@@ -71,7 +71,7 @@ fn pieces_meet_at_junctions_and_end_in_gates() {
 }
 
 #[test]
-fn the_same_pieces_whatever_was_asked_before() {
+fn the_same_sections_whatever_was_asked_before() {
     for centre in [DVec2::new(-3_000.0, -9_000.0), DVec2::new(5e8, 77.0)] {
         assert_same_whatever_was_asked(|| roads(7, false, &RoadSettings::default()), centre, 2_500.0);
     }
@@ -191,10 +191,10 @@ fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
     let mut bridges = 0;
     for seed in 41..44 {
         let roads = roads_over(seed, Hills { flat: false, river: 110.0 }, &RoadSettings::default());
-        let pieces = all(&roads, Bounds::square(DVec2::ZERO, 12_000.0));
-        assert_planar(&pieces, Origin::at(DVec2::ZERO));
-        let overpasses: Vec<StreetId> = overpass::overpasses(&pieces).iter().map(|o| o.0.street.id).collect();
-        for r in pieces.iter().filter(|r| r.street.level != 0 && !overpasses.contains(&r.street.id)) {
+        let sections = all(&roads, Bounds::square(DVec2::ZERO, 12_000.0));
+        assert_planar(&sections, Origin::at(DVec2::ZERO));
+        let overpasses: Vec<StreetId> = overpass::overpasses(&sections).iter().map(|o| o.0.street.id).collect();
+        for r in sections.iter().filter(|r| r.street.level != 0 && !overpasses.contains(&r.street.id)) {
             let line = &r.street.line;
             let (from, to) = (line[0], line[line.len() - 1]);
             assert!(line.iter().all(|p| crate::space::distance_to_segment(*p, from, to) < 0.1));
@@ -206,10 +206,10 @@ fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
     assert!(bridges > 3, "{bridges}");
 }
 
-/// Length of the shortest way along pieces from one of some junctions to a piece of a class.
-fn way_to(pieces: &[Arc<Road>], from: &[JunctionId], class: StreetClass) -> Option<f64> {
+/// Length of the shortest way along sections from one of some junctions to a section of a class.
+fn way_to(sections: &[Arc<Road>], from: &[JunctionId], class: StreetClass) -> Option<f64> {
     let mut ways: BTreeMap<JunctionId, Vec<(&Road, JunctionId)>> = BTreeMap::new();
-    for r in pieces {
+    for r in sections {
         ways.entry(r.street.from).or_default().push((r, r.street.to));
         ways.entry(r.street.to).or_default().push((r, r.street.from));
     }
@@ -232,10 +232,10 @@ fn way_to(pieces: &[Arc<Road>], from: &[JunctionId], class: StreetClass) -> Opti
 #[test]
 fn highways_pass_towns_at_a_distance_and_towns_join_them() {
     let (mut passed, mut joined) = (0, 0);
-    for (seed, centre) in (200..206).map(drawn) {
+    for (seed, centre) in (200..206).map(random_place) {
         let roads = world(seed, 275.0);
         let window = Bounds::square(centre, 14_000.0);
-        let pieces = all(&roads, window.grown(6_000.0));
+        let sections = all(&roads, window.grown(6_000.0));
         for town in roads.searches.inputs.settlements.centred_in_of(window, SizeClass::Town).unwrap() {
             let outline = roads.searches.inputs.settlements.outline(&town).unwrap();
             let off = |r: &Arc<Road>| {
@@ -244,7 +244,7 @@ fn highways_pass_towns_at_a_distance_and_towns_join_them() {
                     segments(&r.street.line).map(|(a, b)| polygon_distance(a + shift, b + shift, &outline.polygon));
                 ends.fold(f64::INFINITY, f64::min)
             };
-            let highways = pieces.iter().filter(|r| r.street.class == StreetClass::Highway);
+            let highways = sections.iter().filter(|r| r.street.class == StreetClass::Highway);
             let nearest = highways.map(off).fold(f64::INFINITY, f64::min);
             if nearest > 2_000.0 {
                 continue;
@@ -254,7 +254,7 @@ fn highways_pass_towns_at_a_distance_and_towns_join_them() {
             assert!(nearest > 0.3 * roads.searches.inputs.settings.step as f64, "{} at {nearest}", town.name);
             let gates: Vec<JunctionId> =
                 roads.gates(&town, &Cancel::new()).unwrap().iter().map(|g| g.junction).collect();
-            joined += usize::from(way_to(&pieces, &gates, StreetClass::Highway).is_some_and(|m| m < 6_000.0));
+            joined += usize::from(way_to(&sections, &gates, StreetClass::Highway).is_some_and(|m| m < 6_000.0));
         }
     }
     assert!(passed > 5 && joined * 10 >= passed * 9, "{joined} of {passed}");

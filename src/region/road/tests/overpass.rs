@@ -14,18 +14,18 @@ pub fn all_cross_by(roads: &Roads, rule: Crossing) -> Roads {
     Roads::from_source(&s, inputs.terrain.clone(), inputs.settlements.clone(), &Edits::default(), 256 << 20)
 }
 
-/// Roads of a drawn world in which all classes cross highways by one rule, or by the default ones.
+/// Roads of a random world in which all classes cross highways by one rule, or by the default ones.
 fn world(i: u64, rule: Option<Crossing>) -> (Roads, DVec2) {
-    let (seed, centre) = drawn(i);
+    let (seed, centre) = random_place(i);
     let roads = super::world(seed, MERGE);
     (if let Some(rule) = rule { all_cross_by(&roads, rule) } else { roads }, centre)
 }
 
-/// Bridges over highways among pieces, with the highway below.
-pub fn overpasses(pieces: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)> {
+/// Bridges over highways among sections, with the highway below.
+pub fn overpasses(sections: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)> {
     let mut out = Vec::new();
-    for r in pieces.iter().filter(|r| r.street.level == 1) {
-        for s in pieces.iter().filter(|s| s.street.level == 0 && s.street.class == StreetClass::Highway) {
+    for r in sections.iter().filter(|r| r.street.level == 1) {
+        for s in sections.iter().filter(|s| s.street.level == 0 && s.street.class == StreetClass::Highway) {
             let shift = s.origin.offset_to(r.origin);
             for (a, b) in segments(&r.street.line) {
                 for (c, d) in segments(&s.street.line) {
@@ -46,9 +46,9 @@ fn roads_pass_over_highways_on_bridges_that_rise_above_them() {
     let (mut passed, mut ramps) = (0, 0);
     for i in 300..305 {
         let (roads, centre) = world(i, None);
-        let pieces = all(&roads, Bounds::square(centre, 14_000.0));
-        assert_planar(&pieces, Origin::at(centre));
-        let found = overpasses(&pieces);
+        let sections = all(&roads, Bounds::square(centre, 14_000.0));
+        assert_planar(&sections, Origin::at(centre));
+        let found = overpasses(&sections);
         let mut bridges: Vec<StreetId> = found.iter().map(|f| f.0.street.id).collect();
         bridges.dedup();
         assert_eq!(bridges.len(), found.len(), "a bridge crosses one highway once");
@@ -61,7 +61,8 @@ fn roads_pass_over_highways_on_bridges_that_rise_above_them() {
             assert!(highest > ground + CLEARANCE - 0.3, "{highest} over {ground}");
             assert!([line[0], line[line.len() - 1]].iter().all(|end| end.distance(*at) > 80.0));
             // No lesser road but its own touches it.
-            for other in pieces.iter().filter(|o| o.street.class != StreetClass::Highway && o.street.id != r.street.id)
+            for other in
+                sections.iter().filter(|o| o.street.class != StreetClass::Highway && o.street.id != r.street.id)
             {
                 let shift = other.origin.offset_to(r.origin);
                 let apart = other.street.line.iter().map(|p| distance_to_line(*p + shift, line));
@@ -80,10 +81,10 @@ fn roads_pass_over_highways_on_bridges_that_rise_above_them() {
     assert!(passed > 10 && ramps > 5, "{passed} {ramps}");
 }
 
-/// For each settlement of a box the first one that roads among pieces lead to from it.
-fn joined(roads: &Roads, pieces: &[Arc<Road>], bounds: Bounds) -> Vec<(SettlementId, SettlementId)> {
+/// For each settlement of a box the first one that roads among sections lead to from it.
+fn joined(roads: &Roads, sections: &[Arc<Road>], bounds: Bounds) -> Vec<(SettlementId, SettlementId)> {
     let mut sets = DisjointSets::new();
-    for r in pieces {
+    for r in sections {
         sets.union(r.street.from.0, r.street.to.0);
     }
     let mut gates: Vec<(SettlementId, u64, bool)> = Vec::new();
@@ -123,8 +124,8 @@ fn the_same_at_crossings_whatever_was_asked_before() {
     let mut places = 0;
     for i in 300..305 {
         let (roads, centre) = world(i, None);
-        let pieces = all(&roads, Bounds::square(centre, 14_000.0));
-        let Some((bridge, _, at)) = overpasses(&pieces).first().copied() else { continue };
+        let sections = all(&roads, Bounds::square(centre, 14_000.0));
+        let Some((bridge, _, at)) = overpasses(&sections).first().copied() else { continue };
         assert_same_whatever_was_asked(|| world(i, None).0, bridge.origin.to_plan(at), 1_000.0);
         places += 1;
     }
