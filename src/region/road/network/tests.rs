@@ -324,7 +324,7 @@ fn what_cannot_be_built_is_named() {
             "Village 2 lies 300 m from Village 1; keep at least 1.5 steps of the lattice (600 m)",
         ),
         (village(1, 9_000.0, 2_000.0), 0.0, "Village 1 and Village 1 have the same id"),
-        (village(2, 2_500.0, 8_000.0), 1e4, "of water; allowed is dry ground"),
+        (village(2, 2_500.0, 8_000.0), 1e4, "of water; a settlement needs dry ground"),
     ];
     for (bad, hills, expected) in cases {
         let all = if hills > 0.0 { vec![bad.clone(), bad] } else { vec![a.clone(), b.clone(), bad] };
