@@ -2,7 +2,9 @@
 //! many seeds.
 
 use crate::network::{JunctionId, Street, StreetId, crossings};
-use crate::space::{Bounds, Origin, distance_to_segment, point_at, point_in_polygon, polygon_distance, segments};
+use crate::space::{
+    Bounds, DisjointSets, Origin, distance_to_segment, point_at, point_in_polygon, polygon_distance, segments,
+};
 use crate::world::Area;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -155,9 +157,9 @@ impl Audit<'_> {
                 area.bounds.encloses(Bounds::square(s.centre.plan(), 2.0 * s.radius))
             })
             .collect();
-        let mut parent: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
-        // Junctions of each settlement; a border's are those of both.
-        let mut pieces: Vec<(usize, JunctionId)> = Vec::new();
+        let mut joined = DisjointSets::new();
+        // Junctions of each settlement; the junctions on a border belong to both.
+        let mut junctions: Vec<(usize, JunctionId)> = Vec::new();
         for &i in &whole {
             let (settlement, outline) = (&area.settlements[i], &area.outlines[i]);
             let shift = area.origin.offset_to(outline.origin);
@@ -169,28 +171,27 @@ impl Audit<'_> {
             };
             for s in self.streets.iter().filter(|s| !s.class.is_road() && reach.encloses(s.bounds())) {
                 if s.line.iter().all(|p| inside(*p)) {
-                    let (a, b) = (root(&mut parent, s.from), root(&mut parent, s.to));
-                    parent.insert(a, b);
-                    pieces.push((i, s.from));
+                    joined.union(s.from, s.to);
+                    junctions.push((i, s.from));
                 }
             }
         }
-        let mut groups: Vec<usize> = (0..area.settlements.len()).collect();
+        let mut groups = DisjointSets::new();
         for &i in &whole {
             for shared in &area.outlines[i].shared {
                 let touched =
                     whole.iter().find(|j| **j != i && shared.border.sides.contains(&area.settlements[**j].id));
                 if let Some(&j) = touched {
-                    let (from, to) = (groups[i], groups[j]);
-                    groups.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+                    groups.union(i, j);
                 }
             }
         }
-        let mut roots: BTreeMap<usize, JunctionId> = BTreeMap::new();
+        // The piece of the first street of each group of settlements.
+        let mut pieces: BTreeMap<usize, JunctionId> = BTreeMap::new();
         let mut loose = Vec::new();
-        for (i, junction) in pieces {
-            let found = root(&mut parent, junction);
-            if *roots.entry(groups[i]).or_insert(found) != found {
+        for (i, junction) in junctions {
+            let piece = joined.find(junction);
+            if *pieces.entry(groups.find(i)).or_insert(piece) != piece {
                 loose.push(i);
             }
         }
@@ -215,18 +216,6 @@ impl Audit<'_> {
             }
         }
     }
-}
-
-fn root(parent: &mut BTreeMap<JunctionId, JunctionId>, id: JunctionId) -> JunctionId {
-    let mut at = id;
-    while let Some(&up) = parent.get(&at) {
-        if up == at {
-            break;
-        }
-        at = up;
-    }
-    parent.insert(id, at);
-    at
 }
 
 /// The junctions of an area where a settlement's gates should be: ends of roads on the settlement's outline that no main

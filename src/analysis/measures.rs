@@ -1,12 +1,11 @@
 //! Figures that describe a street network, as urban analysts and the papers measure it.
 
+use super::directions::{is_sharp, orientation_order};
 use crate::network::{JunctionId, Network};
 use crate::space::DisjointSets;
-use crate::space::math::{angle_between, angle_of, ln};
 use glam::DVec2;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 /// Figures of a network. Vertices of degree 1 are dead ends, those of degree 3 or more are junctions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -41,16 +40,11 @@ pub fn measure(network: &Network) -> Measures {
     let mut components = DisjointSets::new();
     let mut touched = vec![false; network.junctions.len()];
     let (mut length, mut straight, mut inflexions) = (0.0, 0.0, 0usize);
-    let mut bins = [0usize; 36];
     for street in &network.streets {
         let (line, n) = (&street.line, street.line.len());
         let beeline = line[n - 1] - line[0];
         length += street.length();
         straight += beeline.length();
-        for direction in [beeline, -beeline] {
-            let turns = (angle_of(direction) / TAU * 36.0 + 36.5).floor() as usize;
-            bins[turns % 36] += 1;
-        }
         let (from, to) = (ends.get(&street.from).copied(), ends.get(&street.to).copied());
         for (end, outward) in [(from, line[1] - line[0]), (to, line[n - 2] - line[n - 1])] {
             if let Some(end) = end {
@@ -67,10 +61,7 @@ pub fn measure(network: &Network) -> Measures {
     for around in leaving.iter().filter(|l| !l.is_empty()) {
         *out.degree.entry(around.len()).or_default() += 1;
         inflexions += usize::from(around.len() == 2);
-        if around.len() >= 3 {
-            let pairs = || around.iter().enumerate().flat_map(|(i, a)| around[i + 1..].iter().map(move |b| (a, b)));
-            sharp += usize::from(pairs().any(|(a, b)| angle_between(*a, *b) < 30f64.to_radians()));
-        }
+        sharp += usize::from(is_sharp(around));
     }
     out.dead_ends = out.degree.get(&1).copied().unwrap_or(0);
     out.junctions = out.degree.range(3..).map(|(_, n)| n).sum();
@@ -78,13 +69,8 @@ pub fn measure(network: &Network) -> Measures {
     out.mean_street_m = length / network.streets.len().saturating_sub(inflexions).max(1) as f64;
     out.circuity = if straight > 0.0 { length / straight } else { 1.0 };
     out.share_angle_below_30 = sharp as f64 / out.junctions.max(1) as f64;
-    let total = bins.iter().sum::<usize>() as f64;
-    if total > 0.0 {
-        let entropy: f64 = bins.iter().filter(|n| **n > 0).map(|n| *n as f64 / total).map(|p| -p * ln(p)).sum();
-        let (grid, most) = (ln(4.0), ln(36.0));
-        let spread = (entropy - grid) / (most - grid);
-        out.orientation_order = 1.0 - spread * spread;
-    }
+    let beelines = network.streets.iter().map(|street| street.line[street.line.len() - 1] - street.line[0]);
+    out.orientation_order = orientation_order(beelines);
     out.components = (0..touched.len()).filter(|i| touched[*i] && components.find(*i) == *i).count();
     out
 }

@@ -3,6 +3,7 @@
 
 mod audit;
 mod chunk_borders;
+mod directions;
 pub mod digest;
 mod measures;
 mod survey;

@@ -1,12 +1,11 @@
 //! Figures of a part of a street map, taken as OSMnx takes them, so that towns compare with published figures of real ones.
 
+use super::directions::{is_sharp, orientation_order};
 use crate::network::{JunctionId, Network, PlanarGraph};
-use crate::space::math::{angle_between, angle_of, ln};
 use crate::space::{Bounds, distance_to_segment, line_length, segments};
 use glam::DVec2;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 /// Streets reach this far to the built-up area around them, in metres.
 const BUFFER: f64 = 100.0;
@@ -71,8 +70,7 @@ pub fn survey(network: &Network, inside: impl Fn(DVec2) -> bool) -> Survey {
     let (mut degrees, mut sharp) = (BTreeMap::<usize, usize>::new(), 0);
     for around in leaving.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(l, _)| l) {
         *degrees.entry(around.len()).or_default() += 1;
-        let mut pairs = around.iter().enumerate().flat_map(|(i, a)| around[i + 1..].iter().map(move |b| (a, b)));
-        sharp += usize::from(around.len() >= 3 && pairs.any(|(a, b)| angle_between(*a, *b) < 30f64.to_radians()));
+        sharp += usize::from(is_sharp(around));
     }
     let chains: Vec<&Chain> = chains.iter().filter(|c| kept[c.ends[0]] && kept[c.ends[1]]).collect();
     let length = chains.iter().fold(0.0, |sum, c| sum + line_length(&c.line));
@@ -155,24 +153,6 @@ fn chains(network: &Network) -> Vec<Chain> {
         }
     }
     out
-}
-
-/// Boeing's orientation order of directions, each taken both ways.
-fn orientation_order(directions: impl Iterator<Item = DVec2>) -> f64 {
-    let mut bins = [0usize; 36];
-    for direction in directions.flat_map(|d| [d, -d]) {
-        let turns = (angle_of(direction) / TAU * 36.0 + 36.5).floor() as usize;
-        bins[turns % 36] += 1;
-    }
-    let total = bins.iter().sum::<usize>() as f64;
-    if total == 0.0 {
-        return 0.0;
-    }
-    let shares = bins.iter().filter(|n| **n > 0).map(|n| *n as f64 / total);
-    let entropy = shares.fold(0.0, |sum, p| sum - p * ln(p));
-    let (grid, most) = (ln(4.0), ln(36.0));
-    let spread = (entropy - grid) / (most - grid);
-    1.0 - spread * spread
 }
 
 /// Square kilometres within reach of the streets, holes filled.

@@ -3,12 +3,10 @@
 use bevy_sprawl::analysis::audit;
 use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::network::SizeClass;
-use bevy_sprawl::network::{JunctionId, Street};
+use bevy_sprawl::network::{JunctionId, SizeClass, Street};
 use bevy_sprawl::region::{Outline, Settlement, Waterway};
 use bevy_sprawl::space::math::{angle_between, cos, sin};
-use bevy_sprawl::space::{Bounds, Seed};
-use bevy_sprawl::space::{point_at, point_in_polygon, segments, signed_area};
+use bevy_sprawl::space::{Bounds, DisjointSets, Seed, point_at, point_in_polygon, segments, signed_area};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
 use bevy_sprawl::town::{CellUse, Town};
 use bevy_sprawl::world::{TerrainSource, World, WorldSource};
@@ -182,22 +180,14 @@ fn towns_lie_on_both_banks_of_every_river_that_can_be_bridged() {
 /// The main streets of a town are one piece without dead ends but gates.
 fn check_network(town: &Town, what: &str) {
     let mut degree: BTreeMap<JunctionId, usize> = BTreeMap::new();
-    let mut piece: BTreeMap<JunctionId, JunctionId> = BTreeMap::new();
-    fn root(piece: &BTreeMap<JunctionId, JunctionId>, mut id: JunctionId) -> JunctionId {
-        while let Some(up) = piece.get(&id).filter(|up| **up != id) {
-            id = *up;
-        }
-        id
-    }
+    let mut pieces = DisjointSets::new();
     for s in town.mains.iter().map(|m| &m.street) {
         *degree.entry(s.from).or_default() += 1;
         *degree.entry(s.to).or_default() += 1;
-        let (a, b) = (root(&piece, s.from), root(&piece, s.to));
-        piece.insert(a, b);
+        pieces.union(s.from, s.to);
     }
-    let first = root(&piece, town.junctions[0].id);
     for junction in &town.junctions {
-        assert_eq!(root(&piece, junction.id), first, "{what}: several pieces");
+        assert!(pieces.same(junction.id, town.junctions[0].id), "{what}: several pieces");
         let gate = town.gates.iter().any(|g| g.junction == junction.id);
         assert!(gate || degree[&junction.id] > 1, "{what}: a dead end at {}", junction.at);
     }
