@@ -14,7 +14,7 @@ const STEPS: usize = 60;
 /// Least sine of the angle at which a line leaves one side and arrives at another.
 const SQUARE: f64 = 0.7;
 /// Gap between proposals, in spacings, from which there is room for another.
-const WIDE: f64 = 1.6;
+const LEAST_GAP: f64 = 1.6;
 
 /// A point of a main street where the cell on one side proposes a port.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +100,7 @@ fn between(given: &[f64], length: f64, rules: &SeamRules) -> Vec<f64> {
     let mut last = 0.0;
     for next in given.iter().copied().chain([length]) {
         let gap = next - last;
-        if gap > WIDE * rules.spacing {
+        if gap > LEAST_GAP * rules.spacing {
             let parts = (gap / rules.spacing).round();
             out.extend((1..parts as usize).map(|i| last + gap * i as f64 / parts));
         }

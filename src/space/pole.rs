@@ -18,7 +18,7 @@ pub fn pole(polygon: &[DVec2], precision: f64) -> (DVec2, f64) {
     let bounds = Bounds::of(polygon.iter().copied());
     let size = bounds.size();
     let half = (size.min_element() / 2.0).max(precision);
-    // A square of the search: the best depth that it could hold, its middle, half its edge.
+    // A square of the search: the greatest depth that it could contain, its middle, half of its edge, the depth of its middle.
     let square = |p: DVec2, half: f64| {
         let d = depth(p);
         (d + half * std::f64::consts::SQRT_2, p, half, d)
