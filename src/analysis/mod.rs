@@ -3,8 +3,8 @@
 
 mod audit;
 mod chunk_borders;
-mod directions;
 pub mod digest;
+mod directions;
 mod measures;
 mod survey;
 

@@ -144,12 +144,12 @@ fn polygon(points: &[DVec2], origin: DVec2) -> GeometryValue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::sample;
     use crate::space::QUANTUM;
+    use crate::testing;
 
     #[test]
     fn positions_far_out_and_ids_come_back_bit_for_bit() {
-        let town = sample::town(DVec2::new(1.0e11, -3.0e10));
+        let town = testing::area(DVec2::new(1.0e11, -3.0e10));
         let mut file = Vec::new();
         write(&town.plan(), &mut file).unwrap();
         let file = String::from_utf8(file).unwrap();

@@ -9,8 +9,6 @@ mod glyphs;
 pub mod osm;
 pub mod png;
 mod relief;
-#[cfg(test)]
-mod sample;
 pub mod svg;
 
 use crate::layer::{Cancel, LayerError};

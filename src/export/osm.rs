@@ -160,17 +160,17 @@ impl File<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::sample;
+    use crate::testing;
 
     fn text(options: Options) -> String {
         let mut file = Vec::new();
-        write(&sample::town(DVec2::new(700.25, -300.0)).plan(), options, &mut file).unwrap();
+        write(&testing::area(DVec2::new(700.25, -300.0)).plan(), options, &mut file).unwrap();
         String::from_utf8(file).unwrap()
     }
 
     #[test]
     fn a_junction_is_one_node_and_only_streets_are_ways() {
-        let town = sample::town(DVec2::ZERO);
+        let town = testing::area(DVec2::ZERO);
         let file = text(Options::default());
         let streets = town.area.streets.len();
         let inner: usize = town.area.streets.iter().map(|s| s.it.street.line.len() - 2).sum();

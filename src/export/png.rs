@@ -121,11 +121,11 @@ fn strokes(attributes: &BTreeMap<String, String>, words: &str) -> BytesStart<'st
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::sample;
+    use crate::testing;
 
     #[test]
     fn a_picture_has_its_size_and_its_colours() {
-        let town = sample::town(DVec2::new(900.0, 900.0));
+        let town = testing::area(DVec2::new(900.0, 900.0));
         let file = write(&town.plan(), &MapStyle { pixels: 300, ..Default::default() }).unwrap();
         let back = Pixmap::decode_png(&file).unwrap();
         assert_eq!((back.width(), back.height()), (300, 300));

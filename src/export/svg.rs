@@ -132,7 +132,7 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::sample;
+    use crate::testing;
 
     #[test]
     fn base64_pads() {
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_drawing_has_every_street_once_in_each_of_its_layers() {
-        let town = sample::town(DVec2::new(-5000.0, 77.0));
+        let town = testing::area(DVec2::new(-5000.0, 77.0));
         let text = write(&town.plan(), &MapStyle { pixels: 400, ..MapStyle::default() }).unwrap();
         let pens = text.matches("stroke=\"#ffffff\"").count();
         assert!(pens >= 1 && text.contains("Sample &amp; Sons"), "{pens}");

@@ -1,4 +1,4 @@
-//! A small made-up town on made-up ground, for the tests of the exporters.
+//! The content of a square: a small town on hilly ground.
 
 use crate::export::Plan;
 use crate::network::{Junction, JunctionId, SizeClass, Street, StreetClass, StreetId};
@@ -12,14 +12,15 @@ use crate::world::{Area, Owned};
 use glam::DVec2;
 use std::sync::Arc;
 
-pub struct Sample {
+/// An area with everything that a map of it reads.
+pub(crate) struct AreaCase {
     pub area: Area,
     pub outlines: Vec<Arc<Outline>>,
     pub terrain: Hills,
 }
 
-/// Rolling hills about `0`, with a lake where they are low and woods where they are high.
-pub struct Hills(DVec2);
+/// Rolling hills around a point, with lakes where they are low and woods where they are high.
+pub(crate) struct Hills(DVec2);
 
 impl Terrain for Hills {
     fn sample(&self, p: DVec2) -> TerrainSample {
@@ -29,14 +30,14 @@ impl Terrain for Hills {
     }
 }
 
-impl Sample {
+impl AreaCase {
     pub fn plan(&self) -> Plan<'_> {
         Plan { area: &self.area, outlines: &self.outlines, terrain: &self.terrain, chunk_size: 512, real: None }
     }
 }
 
 /// A grid of 5 by 5 junctions, 80 m apart, with bent streets, blocks, lots and buildings, crossed by a road on a bridge.
-pub fn town(centre: DVec2) -> Sample {
+pub(crate) fn area(centre: DVec2) -> AreaCase {
     const N: usize = 5;
     let origin = Origin::at(centre);
     let chunk = |at: DVec2| ChunkCoord::containing(origin.to_plan(at), 512);
@@ -113,5 +114,5 @@ pub fn town(centre: DVec2) -> Sample {
         outlines: vec![outline.clone()],
         unmet_ports: 0,
     };
-    Sample { area, outlines: vec![outline], terrain: Hills(origin.plan()) }
+    AreaCase { area, outlines: vec![outline], terrain: Hills(origin.plan()) }
 }
