@@ -6,6 +6,7 @@
 mod cache;
 mod error;
 mod file;
+mod parallel;
 mod range;
 mod ron_text;
 
@@ -13,5 +14,6 @@ pub use cache::{LayerCache, Weigh};
 pub use error::{Cancel, LayerError, Reach};
 pub use file::FileError;
 pub(crate) use file::quoted;
+pub use parallel::each;
 pub use range::RangeError;
 pub use ron_text::{error_at, from_ron};

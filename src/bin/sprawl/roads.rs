@@ -246,12 +246,7 @@ fn build(
         }
         bar.set_position(done as u64);
     };
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let task = NetworkTask {
-        threads: common.threads.map_or_else(cores, usize::from),
-        progress: &progress,
-        ..NetworkTask::default()
-    };
+    let task = NetworkTask { threads: work::threads(common), progress: &progress, ..NetworkTask::default() };
     let network = RoadNetwork::build_as(domain, terrain, settlements, settings, &task);
     bar.finish_and_clear();
     network

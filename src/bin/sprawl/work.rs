@@ -3,15 +3,13 @@
 use crate::common::{At, Common};
 use crate::fail::Fail;
 use bevy_sprawl::edits::Edits;
-use bevy_sprawl::layer::{Cancel, FileError, LayerError};
+use bevy_sprawl::layer::{self, Cancel, FileError, LayerError};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
 use bevy_sprawl::world::{Area, Settings, World, WorldAssets, WorldSource};
 use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Reads a file as text.
 pub fn read(path: &Path) -> Result<String, FileError> {
@@ -81,8 +79,8 @@ pub fn chunks(world: &World, bounds: Bounds) -> Vec<ChunkCoord> {
     (a.x..=x).flat_map(|x| (a.y..=y).map(move |y| ChunkCoord::new(x, y))).collect()
 }
 
-/// Runs `make` on every item, on as many threads as the flags say, in the order of the items (with one thread: exactly);
-/// results come in that order too. A bar shows the progress if stderr is a terminal.
+/// Runs `make` on every item, on as many threads as the flags say; results come in the order of the items. A bar shows the
+/// progress if stderr is a terminal.
 pub fn each<T: Sync, R: Send>(
     common: &Common,
     what: &'static str,
@@ -94,30 +92,20 @@ pub fn each<T: Sync, R: Send>(
         bar.set_style(style);
     }
     bar.set_message(what);
-    // Threads draw the next item from one counter: splitting the list would start them all over the place.
-    let next = AtomicUsize::new(0);
-    let take = || {
-        let mut done = Vec::new();
-        while let Some((i, item)) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, items.get(i)?))) {
-            done.push((i, make(item)?));
-            bar.inc(1);
-        }
-        Ok(done)
-    };
-    let parts: Result<Vec<Vec<(usize, R)>>, LayerError> = pool(common)?
-        .install(|| (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).map(|_| take()).collect());
+    let made = layer::each(threads(common), items, make, |_| bar.inc(1));
     bar.finish_and_clear();
-    let mut all: Vec<(usize, R)> = parts?.into_iter().flatten().collect();
-    all.sort_by_key(|(i, _)| *i);
-    Ok(all.into_iter().map(|(_, r)| r).collect())
+    Ok(made?)
 }
 
 /// As many threads as the flags say.
+pub fn threads(common: &Common) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    common.threads.map_or_else(cores, usize::from)
+}
+
+/// A pool of as many threads as the flags say, for what draws pictures.
 pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Fail> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(common.threads.unwrap_or(0).into())
-        .build()
-        .map_err(|e| Fail::World(e.to_string()))
+    rayon::ThreadPoolBuilder::new().num_threads(threads(common)).build().map_err(|e| Fail::World(e.to_string()))
 }
 
 /// Everything in a square, its chunks made on many threads first.
