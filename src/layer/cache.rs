@@ -21,8 +21,8 @@ impl<K, V: Weigh> Weighter<K, Arc<V>> for ByBytes {
     }
 }
 
-/// Values of a layer by key, at most so many bytes of them, each made once even when two tasks ask for it together: the
-/// second waits for the first. When the first is cancelled or fails, the second makes the value itself.
+/// Values of a layer by key, within a limit of bytes. A value is made once even when two tasks ask for it together: the second
+/// task waits for the first. When the first is cancelled or fails, the second makes the value itself.
 pub struct LayerCache<K, V: Weigh> {
     cache: Cache<K, Arc<V>, ByBytes>,
 }
@@ -30,7 +30,7 @@ pub struct LayerCache<K, V: Weigh> {
 impl<K: Clone + Eq + Hash, V: Weigh> LayerCache<K, V> {
     /// A cache that holds at most about `bytes` bytes.
     pub fn new(bytes: usize) -> Self {
-        // One shard per few megabytes: a shard's share must hold the largest single value.
+        // One shard only: a value larger than a shard's share would never be held.
         let options = quick_cache::OptionsBuilder::new()
             .estimated_items_capacity(1024)
             .weight_capacity(bytes as u64)
@@ -45,12 +45,12 @@ impl<K: Clone + Eq + Hash, V: Weigh> LayerCache<K, V> {
         self.get_shared(key, || make().map(Arc::new))
     }
 
-    /// The same of a value that something else may hold, too.
+    /// Like [`get`](Self::get), for a value that is shared with something else.
     pub fn get_shared(&self, key: &K, make: impl FnOnce() -> Result<Arc<V>, LayerError>) -> Result<Arc<V>, LayerError> {
         self.cache.get_or_insert_with(key, make)
     }
 
-    /// The value of `key` if it is there.
+    /// The value of `key` if it is held.
     pub fn peek(&self, key: &K) -> Option<Arc<V>> {
         self.cache.get(key)
     }

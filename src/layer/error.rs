@@ -25,7 +25,7 @@ pub enum LayerError {
     UnknownStyle(String),
 }
 
-/// A token that stops work which nobody waits for any more. Clones share one flag.
+/// A token that stops work nobody waits for any more. Clones share one flag.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
@@ -70,13 +70,13 @@ impl Reach {
         self.own.grown(self.padding)
     }
 
-    /// `read` if it lies within reach, otherwise an error that says which padding would have been needed.
+    /// Returns `read` if it lies within reach, otherwise an error that says which padding would have been needed.
     pub fn check(&self, read: Bounds) -> Result<Bounds, LayerError> {
         if self.bounds().encloses(read) {
             return Ok(read);
         }
-        let over = (self.own.min - read.min).max(read.max - self.own.max);
-        Err(LayerError::Padding { layer: self.layer, declared: self.padding, needed: over.max_element() })
+        let needed = (self.own.min - read.min).max(read.max - self.own.max).max_element();
+        Err(LayerError::Padding { layer: self.layer, declared: self.padding, needed })
     }
 }
 

@@ -19,7 +19,7 @@ pub struct Common {
     /// Folder with `styles/*.ron` and `patches/*.ron` in place of the bundled ones
     #[arg(long, global = true, value_name = "DIR")]
     pub assets: Option<PathBuf>,
-    /// Wishes for settlements and roads, a RON file
+    /// Wishes for settlements, roads and patches, a RON file
     #[arg(long, global = true, value_name = "FILE")]
     pub edits: Option<PathBuf>,
     /// Most threads to work on [default: one per core]
@@ -28,7 +28,7 @@ pub struct Common {
     /// Write one JSON object to stdout
     #[arg(long, global = true)]
     pub json: bool,
-    /// The edits that the world cannot fulfil, once it is made with edits.
+    /// The edits that the world cannot fulfil, known once the world is made with a file of edits.
     #[arg(skip)]
     pub rejected: OnceLock<Vec<String>>,
 }

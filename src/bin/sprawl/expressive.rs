@@ -61,7 +61,7 @@ pub fn run(common: &Common, args: &ExpressiveArgs) -> Result<(), Fail> {
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(|e| Fail::file(folder, e))?;
     }
-    // Before the work, not after it.
+    // A file that cannot be written is refused before the work.
     let open = |name: &str| folder(name).map(|path| Output::create(&path, &[])).transpose();
     let files = [open("expressive-range.csv")?, open("expressive-range.svg")?, open("expressive-range-all.svg")?];
     let panels = DEGREES.len() * ANGLES.len();

@@ -38,7 +38,7 @@ pub struct MapArgs {
     /// Width and height of an SVG or PNG [default: 1600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub pixels: Option<u32>,
-    /// What the colours of streets say in an SVG or PNG [default: class]
+    /// What the colours of streets show in an SVG or PNG [default: class]
     #[arg(long, value_name = "WHAT")]
     pub colour_by: Option<ColourBy>,
     /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees
@@ -100,7 +100,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     check_flags(args, format)?;
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
-    // Before the work, not after it.
+    // A file that cannot be written is refused before the work.
     let inputs: Vec<PathBuf> = common.inputs().into_iter().chain(args.beside.clone()).collect();
     let mut file = Output::create(&args.output, &inputs)?;
     let start = Instant::now();

@@ -1,4 +1,4 @@
-//! Edits drawn from a seed, for worlds that are checked with them.
+//! Random edits, for checks of worlds with edits.
 
 use bevy_sprawl::edits::{Edits, Influence, RoadEdit, SettlementEdit, Shape, WayPoint};
 use bevy_sprawl::layer::{Cancel, LayerError};
@@ -57,7 +57,7 @@ impl Draw {
     }
 }
 
-/// Edits of every kind around a settlement of a world that has none, some of which it cannot fulfil.
+/// Random edits of every kind around a settlement. The world cannot fulfil all of them.
 pub fn edits(plain: &World, around: &Settlement, cancel: &Cancel) -> Result<Edits, LayerError> {
     let middle = around.centre.plan();
     let mut draw = Draw { stream: plain.seed().stream("drawn edits", &[]), middle };

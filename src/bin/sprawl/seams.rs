@@ -1,5 +1,5 @@
-//! `sprawl seams`: whether streets tell where the borders of chunks are. Counts streets and junctions of many towns near the
-//! borders and away from them.
+//! `sprawl seams`: checks that streets do not show where chunk borders are. Counts streets and junctions of many towns near
+//! the borders and away from them.
 
 use crate::common::Common;
 use crate::fail::Fail;
@@ -15,7 +15,7 @@ use glam::DVec2;
 use serde_json::json;
 use std::sync::Arc;
 
-/// What lies this near to a border, in metres, is at the border.
+/// Distance from a border, in metres, within which a place counts as near it.
 const RIM: f64 = 40.0;
 /// Distance between the points that a town's area is counted at, in metres.
 const STEP: f64 = 12.0;

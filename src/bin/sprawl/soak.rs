@@ -44,15 +44,14 @@ pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
     #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
     pub seeds: Option<Range<u64>>,
-    /// Check instead this many towns of every size and style, 12 to a world: seeds from that of `--seed` on
+    /// Check this many towns of every size and style instead, 12 in each world; seeds count up from `--seed`
     #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub towns: Option<u32>,
-    /// Check each world with edits of every kind around its city, drawn from its seed; way points and pinned settlements are
-    /// checked, too
+    /// Check each world with random edits of every kind around its city; way points and pinned settlements are checked, too
     #[arg(long, conflicts_with = "edits")]
     pub edits_random: bool,
-    /// Check instead that the roads of a far window in each world are the same alone and after a larger window around it
+    /// Check instead that the roads of a far window are the same whether or not a larger window was made before
     #[arg(long, conflicts_with_all = ["edits", "edits_random"])]
     pub windows: bool,
 }

@@ -16,12 +16,12 @@ pub fn read(path: &Path) -> Result<String, FileError> {
     std::fs::read_to_string(path).map_err(|e| FileError::unreadable(path.to_string_lossy(), e))
 }
 
-/// The world that the common flags describe. Edits that it cannot fulfil are named on stderr, a line each.
+/// The world that the common flags describe. Each edit that the world cannot fulfil is named in a line on stderr.
 pub fn world(common: &Common) -> Result<World, Fail> {
     let settings = match &common.settings {
         Some(path) => Settings::from_ron(&path.to_string_lossy(), &read(path)?)?,
         None => {
-            // One command looks at one square and ends: what fits in memory need not be made twice.
+            // One command looks at one square and ends, so nothing that fits in memory should be made twice.
             let mut settings = Settings::default();
             settings.cache.region_mib = settings.cache.region_mib.max(256.0);
             settings.cache.town_mib = settings.cache.town_mib.max(1024.0);
@@ -59,7 +59,7 @@ pub fn world(common: &Common) -> Result<World, Fail> {
 /// The square of edge `size` around `at`, if the world's chunks reach that far.
 pub fn square(world: &World, at: &At, size: f64) -> Result<Bounds, Fail> {
     let edge = world.settings().chunk_size as f64;
-    // Chunks are counted with 32 bits; what lies in a square may reach beyond it.
+    // Chunk coordinates have 32 bits, and things in the square may reach beyond it.
     let most = edge * f64::from(i32::MAX) - 500_000.0;
     if at.at.abs().max_element() > most {
         return Err(Fail::input(format!("--at is too far out: at most {most:.0} m with chunks of {edge} m")));
@@ -112,7 +112,7 @@ pub fn pool(common: &Common) -> Result<rayon::ThreadPool, Fail> {
 pub fn area(common: &Common, world: &World, bounds: Bounds) -> Result<Area, Fail> {
     let cancel = Cancel::new();
     let size = world.settings().chunk_size as f64;
-    // Squares of 2 by 2 chunks: towns and cells are kept by the world, so that gathering the whole finds them made.
+    // The world keeps the towns and cells of these squares of 2 by 2 chunks, so gathering the whole square finds them made.
     let tiles = (bounds.size() / (2.0 * size)).ceil().max(glam::DVec2::ONE);
     let step = bounds.size() / tiles;
     let corner =
