@@ -2,7 +2,6 @@
 
 use super::check::{NetworkError, check_domain, check_settlements};
 use super::listed::{Listed, disc};
-use super::parallel::each;
 use super::routes::find_routes;
 use super::task::NetworkTask;
 use crate::network::{Junction, SizeClass};
@@ -138,11 +137,11 @@ impl RoadNetwork {
         let inputs = &searches.inputs;
         let found: Vec<_> = routes.found().collect();
         let measure = |route: &&Arc<_>| Ok(Arc::new(link(inputs, &searches.distances, route, &task.cancel)?));
-        let mut links = each(task, "measuring roads", &found, measure)?;
+        let mut links = task.each("measuring roads", &found, measure)?;
         links.sort_by_key(|l| l.id);
         let sections = sections(inputs, &routes, budget);
         let tiles: Vec<I64Vec2> = tiles_in(domain, settings.step).collect();
-        let parts = each(task, "shaping roads", &tiles, |tile| sections.of_tile(*tile, &task.cancel))?;
+        let parts = task.each("shaping roads", &tiles, |tile| sections.of_tile(*tile, &task.cancel))?;
         let mut roads: Vec<&Arc<Road>> = parts.iter().flat_map(|p| &p.0).collect();
         roads.sort_by_key(|r| r.street.id);
         roads.dedup_by_key(|r| r.street.id);

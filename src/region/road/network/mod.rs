@@ -8,7 +8,6 @@
 mod build;
 mod check;
 mod listed;
-mod parallel;
 mod routes;
 mod settings;
 mod task;

@@ -1,6 +1,5 @@
 //! The routes of a finite domain, tier by tier.
 
-use super::parallel::each;
 use super::task::NetworkTask;
 use crate::layer::LayerError;
 use crate::network::SizeClass;
@@ -38,7 +37,7 @@ pub(super) fn find_routes(
             let wanted = |b: &&Arc<Settlement>| tier_of(a, b) == tier && beeline(a, b) <= t.reach && fits(a, b);
             Ok(all[i + 1..].iter().filter(wanted).map(|b| (a, b)).collect::<Vec<_>>())
         };
-        Ok(each(task, "choosing pairs", &rows, row)?.concat())
+        Ok(task.each("choosing pairs", &rows, row)?.concat())
     };
     let mut wanted = choose(&|a, b| !is_hopeless(t, a, b, &all))?;
     let (mut out, mut tried): (Vec<Arc<Route>>, BTreeSet<_>) = Default::default();
@@ -78,12 +77,12 @@ fn kept_routes(
     task: &NetworkTask<'_>,
 ) -> Result<Vec<Arc<Route>>, LayerError> {
     let what = format!("finding {} roads", class_of(tier).name());
-    let keeps = each(task, &what, tried, |(a, b)| searches.proximity.keeps(a, b, &task.cancel))?;
+    let keeps = task.each(&what, tried, |(a, b)| searches.proximity.keeps(a, b, &task.cancel))?;
     let mut pairs: Vec<Pair<'_>> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
     let mut out: Vec<Arc<Route>> = Vec::new();
     let corridor = searches.inputs.tier(tier).corridor;
     for wider in [1.0].into_iter().chain(WIDER) {
-        let found = each(task, &what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, &task.cancel))?;
+        let found = task.each(&what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, &task.cancel))?;
         let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| *p).collect();
         out.extend(found.into_iter().flatten().map(Arc::new));
         pairs = blocked;
