@@ -507,7 +507,7 @@ fn roads_over_water_and_through_woods() {
             "nan.asc:6:3: row 1, column 2: water depth is NaN; allowed is 0 to",
         ),
         ("--water", bad("short.asc", "0 0", "0"), "short.asc:6:1: row 1 has 29 numbers; ncols is 30"),
-        ("--water", bad("hole.asc", "0 0", "0 -9999"), "hole.asc:6:3: row 1, column 2: no water depth here"),
+        ("--water", bad("hole.asc", "0 0", "0 -9999"), "hole.asc:6:3: row 1, column 2: this cell and 0 more of"),
         ("--water", bad("deep.asc", "0 0", "0 -1"), "deep.asc:6:3: row 1, column 2: water depth is -1"),
         ("--vegetation", water.clone(), "vegetation density is 6; allowed is 0 to 1"),
         ("--water", bad("off.asc", "xllcorner 1000", "xllcorner 99000"), "off.asc: place of the water depth"),
