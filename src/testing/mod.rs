@@ -7,5 +7,5 @@ mod settlement;
 
 #[cfg(feature = "cli")]
 pub(crate) use area::area;
-pub(crate) use ground::{Flat, Ground};
+pub(crate) use ground::{Countryside, Flat, Ground};
 pub(crate) use settlement::{SettlementCase, any_settlement, settlement};

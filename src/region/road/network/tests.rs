@@ -4,21 +4,22 @@ use super::*;
 use crate::layer::LayerError;
 use crate::network::{JunctionId, SizeClass};
 use crate::region::{RoadSettings, Settlement, SettlementId};
-use crate::space::{Bounds, Origin, Seed, math, point_in_polygon, segment_crossing, segments};
+use crate::space::{Bounds, DisjointSets, Origin, Seed, math, point_in_polygon, segment_crossing, segments};
 use crate::terrain::{Terrain, TerrainSample};
+use crate::testing::Ground;
 use glam::DVec2;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A plain, or hills.
-struct Ground {
+/// A plain, or hills, with a count of the samples outside a box.
+struct WatchedHills {
     hills: f64,
     read: Bounds,
     outside: AtomicUsize,
 }
 
-impl Terrain for Ground {
+impl Terrain for WatchedHills {
     fn sample(&self, p: DVec2) -> TerrainSample {
         if !self.read.contains(p) {
             self.outside.fetch_add(1, Ordering::Relaxed);
@@ -31,8 +32,8 @@ impl Terrain for Ground {
     }
 }
 
-fn ground(hills: f64, domain: Bounds) -> Arc<Ground> {
-    Arc::new(Ground { hills, read: domain, outside: AtomicUsize::new(0) })
+fn ground(hills: f64, domain: Bounds) -> Arc<WatchedHills> {
+    Arc::new(WatchedHills { hills, read: domain, outside: AtomicUsize::new(0) })
 }
 
 fn settlement(i: usize, at: DVec2, size: SizeClass, radius: f64) -> Settlement {
@@ -231,11 +232,9 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
         }
     }
     // From every settlement all others can be reached.
-    let mut group: Vec<usize> = (0..junctions.len()).collect();
-    let index = |id| junctions.binary_search_by_key(&id, |j| j.id).unwrap();
+    let mut joined = DisjointSets::new();
     for road in &network.roads {
-        let (from, to) = (group[index(road.street.from)], group[index(road.street.to)]);
-        group.iter_mut().filter(|g| **g == to).for_each(|g| *g = from);
+        joined.union(road.street.from, road.street.to);
     }
     for (s, outline) in network.settlements.iter().zip(&network.outlines) {
         let shift = origin.offset_to(s.centre);
@@ -249,26 +248,20 @@ fn check(network: &RoadNetwork, domain: Bounds, step: i64) -> usize {
             continue;
         }
         // Gates lead into a town, whose streets connect them.
-        let first = group[index(own[0].id)];
         for gate in &own {
-            let other = group[index(gate.id)];
-            group.iter_mut().filter(|g| **g == other).for_each(|g| *g = first);
+            joined.union(gate.id, own[0].id);
         }
         let inside = |p: DVec2| point_in_polygon(p + shift, polygon) && !polygon.contains(&(p + shift));
         assert!(!lines.iter().any(|(_, a, b)| inside(*a) || inside(*b)), "a road leads through {}", s.name);
     }
-    assert!(group.iter().all(|g| *g == group[0]));
+    assert!(junctions.iter().all(|j| joined.same(j.id, junctions[0].id)));
     exact
 }
 
 /// A ridge from north to south, at x = 0.
-struct Ridge;
-
-impl Terrain for Ridge {
-    fn sample(&self, p: DVec2) -> TerrainSample {
-        let height = 240.0 * math::exp(-(p.x / 260.0) * (p.x / 260.0));
-        TerrainSample { height, water_level: -100.0, vegetation: 0.0 }
-    }
+fn ridge(p: DVec2) -> TerrainSample {
+    let height = 240.0 * math::exp(-(p.x / 260.0) * (p.x / 260.0));
+    TerrainSample { height, water_level: -100.0, vegetation: 0.0 }
 }
 
 #[test]
@@ -278,7 +271,7 @@ fn under_a_steep_ridge_leads_a_tunnel_where_one_is_allowed() {
     let all = [town(0, -2_500.0), town(1, 2_600.0)];
     let mut settings = RoadSettings::finite(150);
     let tunnels = |settings: &RoadSettings| {
-        let network = RoadNetwork::build(domain, Arc::new(Ridge), &all, settings).unwrap();
+        let network = RoadNetwork::build(domain, Arc::new(Ground(ridge)), &all, settings).unwrap();
         assert_eq!(network.links.len(), 1);
         assert_eq!(network.links[0].tunnels, network.roads.iter().filter(|r| r.street.tunnel).count());
         network.links[0].tunnels

@@ -8,49 +8,19 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, SizeClass};
 use crate::region::{Outline, Settlement, SettlementId, SettlementSettings, Settlements};
 use crate::space::{Bounds, Origin, Seed, math, quantize, segment_crossing, segments, stable_hash};
-use crate::terrain::{NoiseTerrain, Terrain, TerrainSample, TerrainSettings};
+use crate::terrain::{NoiseTerrain, Terrain, TerrainSettings};
+use crate::testing::Countryside;
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
-
-/// Hills, a river every 19 km and lakes; or nothing but a plain.
-pub struct Hills {
-    pub flat: bool,
-    /// Half the width of rivers in metres.
-    pub river: f64,
-}
-
-impl Terrain for Hills {
-    fn sample(&self, p: DVec2) -> TerrainSample {
-        if self.flat {
-            return TerrainSample { height: 10.0, water_level: 0.0, vegetation: 0.0 };
-        }
-        let wave = |d: DVec2, length: f64, phase: f64| math::sin(p.dot(d) * TAU / length + phase);
-        let mut height = 60.0
-            + 22.0 * wave(DVec2::new(0.8, 0.6), 5_300.0, 0.3)
-            + 18.0 * wave(DVec2::new(-0.3, 0.95), 3_700.0, 1.0)
-            + 5.0 * wave(DVec2::new(0.6, -0.8), 1_100.0, 2.0);
-        let mut water_level = -50.0;
-        let lake = wave(DVec2::X, 8_100.0, 0.5) * wave(DVec2::Y, 9_700.0, 2.1);
-        if lake > 0.93 {
-            (height, water_level) = (20.0 - (lake - 0.93) * 300.0, 20.0);
-        }
-        let river = p.x - 2_500.0 * math::sin(p.y / 6_000.0);
-        let off = (river - 19_000.0 * (river / 19_000.0).round()).abs();
-        if off < self.river {
-            (height, water_level) = (12.0, 15.0);
-        }
-        TerrainSample { height, water_level, vegetation: 0.5 + 0.5 * wave(DVec2::Y, 2_900.0, 0.0) }
-    }
-}
 
 type Cells = BTreeMap<(usize, [i64; 2]), Option<Arc<Settlement>>>;
 
 /// Settlements on jittered lattices.
 pub struct Towns {
     pub seed: Seed,
-    pub terrain: Arc<Hills>,
+    pub terrain: Arc<Countryside>,
     cells: Mutex<Cells>,
 }
 
@@ -129,11 +99,11 @@ impl SettlementSource for Towns {
 
 /// Roads of a test world.
 pub fn roads(seed: u64, flat: bool, settings: &RoadSettings) -> Roads {
-    roads_over(seed, Hills { flat, river: 35.0 }, settings)
+    roads_over(seed, Countryside { flat, river: 35.0 }, settings)
 }
 
 /// Roads of a test world over a ground.
-pub fn roads_over(seed: u64, ground: Hills, settings: &RoadSettings) -> Roads {
+pub fn roads_over(seed: u64, ground: Countryside, settings: &RoadSettings) -> Roads {
     let terrain = Arc::new(ground);
     let towns = Arc::new(Towns { seed: Seed(seed), terrain: terrain.clone(), cells: Mutex::default() });
     Roads::from_source(settings, terrain, towns, &Edits::default(), 256 << 20)

@@ -1,6 +1,7 @@
 //! What holds for the roads of a world as a whole.
 
 use super::*;
+use crate::testing::Countryside;
 
 #[test]
 fn sections_meet_at_junctions_and_end_in_gates() {
@@ -190,7 +191,7 @@ fn bends_are_wide_and_grades_low_between_junctions() {
 fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
     let mut bridges = 0;
     for seed in 41..44 {
-        let roads = roads_over(seed, Hills { flat: false, river: 110.0 }, &RoadSettings::default());
+        let roads = roads_over(seed, Countryside { flat: false, river: 110.0 }, &RoadSettings::default());
         let sections = all(&roads, Bounds::square(DVec2::ZERO, 12_000.0));
         assert_planar(&sections, Origin::at(DVec2::ZERO));
         let overpasses: Vec<StreetId> = overpass::overpasses(&sections).iter().map(|o| o.0.street.id).collect();
