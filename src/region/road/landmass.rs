@@ -130,11 +130,11 @@ mod tests {
     use super::*;
     use glam::DVec2;
 
-    /// Land with straits of water from south to north, at these columns.
-    fn landmasses(straits: &[std::ops::Range<i64>], bridge_limit: f64) -> Landmasses {
+    /// Land with straits of water from south to north: the first column of each strait, and the column after its last.
+    fn landmasses(straits: &[(i64, i64)], bridge_limit: f64) -> Landmasses {
         let window = Window { min: I64Vec2::ZERO, size: I64Vec2::new(40, 12) };
         let ground = |n: I64Vec2| {
-            let depth = if straits.iter().any(|s| s.contains(&n.x)) { 3.0 } else { 0.0 };
+            let depth = if straits.iter().any(|(first, end)| (*first..*end).contains(&n.x)) { 3.0 } else { 0.0 };
             Ground { surface: 10.0, depth, vegetation: 0.0 }
         };
         let t = TierSettings { bridge_limit, ..TierSettings::default() };
@@ -146,12 +146,12 @@ mod tests {
     #[test]
     fn land_is_joined_by_land_and_by_bridges_that_are_short_enough() {
         let [west, middle, east] = [2, 20, 35].map(|x| I64Vec2::new(x, 5));
-        let found = landmasses(&[10..12, 25..31], 250.0);
+        let found = landmasses(&[(10, 12), (25, 31)], 250.0);
         assert!(found.may_join(west, middle) && !found.may_join(middle, east) && !found.may_join(west, east));
         // Nothing is known of nodes in water.
         assert!(found.may_join(I64Vec2::new(11, 3), east));
-        assert!(landmasses(&[10..12, 25..31], 700.0).may_join(west, east));
-        assert!(!landmasses(&[10..12], 0.0).may_join(west, east));
+        assert!(landmasses(&[(10, 12), (25, 31)], 700.0).may_join(west, east));
+        assert!(!landmasses(&[(10, 12)], 0.0).may_join(west, east));
         assert!(landmasses(&[], 0.0).may_join(west, east));
     }
 }
