@@ -15,4 +15,4 @@ pub use faces::{Face, HalfEdge};
 pub use growth::{GrowthRules, grow};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
 pub use size_class::SizeClass;
-pub use street::{Junction, JunctionId, Network, Street, StreetClass, StreetId};
+pub use street::{Junction, JunctionId, Network, STREET_FLOOR, Street, StreetClass, StreetId};

@@ -4,6 +4,9 @@ use crate::space::{Bounds, line_length, stable_hash};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+/// Least distance between local streets that share no junction, in metres.
+pub const STREET_FLOOR: f64 = 14.5;
+
 /// Stable name of a junction: a hash of what made it, the same in every run and in every chunk that sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct JunctionId(pub u64);

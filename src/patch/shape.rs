@@ -1,13 +1,11 @@
 //! The geometry of a patch taken apart as a filler needs it: what may be cut back, what may not, and whether its streets
 //! keep the distances that a filler keeps.
 
+use crate::network::STREET_FLOOR;
 use crate::patch::{Connectable, Patch};
 use crate::space::{line_length, math, point_at, segment_distance, segments};
 use glam::{DVec2, Vec2, Vec4};
 use std::f64::consts::TAU;
-
-/// Least distance between streets that share no junction, in metres.
-pub const STREET_FLOOR: f64 = 14.5;
 
 /// Greatest change of a patch's size when it is fitted between two vertices, as a share.
 pub const STRETCH: f64 = 0.12;

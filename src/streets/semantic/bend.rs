@@ -1,12 +1,12 @@
 //! Bending of patches: so that the headings of a street fit at both ends, where the patch as it is drawn would leave a kink.
 
-use super::Work;
 use crate::space::math::{cos, sin, smoothstep};
+use crate::style::FieldKind;
 use glam::DVec2;
 
 /// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bend {
+pub struct Bend {
     from: DVec2,
     along: DVec2,
     length: f64,
@@ -32,17 +32,37 @@ impl Bend {
     }
 }
 
-impl Work<'_> {
-    /// Whether the headings are near enough that [`bend`](Self::bend) is worth asking.
-    pub(super) fn may_bend(&self, is: [f64; 2], wanted: [Option<f64>; 2]) -> bool {
-        let most = self.bending + self.most_turn;
+/// How far patches are bent.
+#[derive(Clone, Copy, Debug)]
+pub struct Bending {
+    /// Greatest angle by which a patch is bent at an end, in radians.
+    most: f64,
+    /// Greatest angle by which a street may turn where another goes on from it, in radians.
+    most_turn: f64,
+}
+
+impl Bending {
+    /// In a cell whose streets follow a field of this kind, and turn no more than `most_turn` where one goes on from another.
+    pub fn new(field: FieldKind, most_turn: f64) -> Self {
+        let most = if field == FieldKind::Grid { 0.05 } else { 0.2 };
+        Self { most, most_turn }
+    }
+
+    /// Greatest angle between the headings of a patch and those that it is to have.
+    pub fn reach(self) -> f64 {
+        self.most + self.most_turn
+    }
+
+    /// Whether the headings are near enough that patches may be bent to them.
+    fn may_bend(self, is: [f64; 2], wanted: [Option<f64>; 2]) -> bool {
+        let most = self.reach();
         (0..2).all(|i| wanted[i].is_none_or(|w| (w - is[i]).abs() <= most))
     }
 
     /// How the slopes of a street must change at its two ends to fit, as far as patches may be bent, and the least cosine of
     /// what is left of a bend at either end; `None` where that is too much. `is` and `wanted` are the headings of the street
     /// at both ends against the straight line between them, in radians; nothing is asked of an end where it is `None`.
-    pub(super) fn bend(&self, is: [f64; 2], wanted: [Option<f64>; 2]) -> Option<([f64; 2], f64)> {
+    pub fn bend(self, is: [f64; 2], wanted: [Option<f64>; 2]) -> Option<([f64; 2], f64)> {
         if !self.may_bend(is, wanted) {
             return None;
         }
@@ -54,7 +74,7 @@ impl Work<'_> {
             // A street that sets out sidewards is not turned by a sidewards shift. Less than a degree is no more than the
             // jitter of streets, and what is straight stays so.
             let steep = is[i].abs().max(wanted.abs()) > 0.9;
-            let most = if steep { 0.0 } else { self.bending };
+            let most = if steep { 0.0 } else { self.most };
             let bent = off.clamp(-most, most) * smoothstep(0.01, 0.03, off.abs());
             left = left.max((off - bent).abs());
             if bent != 0.0 {

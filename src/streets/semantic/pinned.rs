@@ -1,24 +1,24 @@
 //! Pinned patches: they stand where the user wants them, whatever grows around them, or are left out whole.
 
-use super::Work;
-use super::place::Placement;
-use super::proposal::{Join, Limits, Proposal};
+use super::placement::Placement;
+use super::placer::Placer;
 use crate::network::VertexIx;
-use crate::patch::STREET_FLOOR;
+use crate::patch::PatchDatabase;
 use crate::space::{math, point_in_polygon};
-use crate::streets::{CellBrief, MadeBy, PinnedPatch};
+use crate::streets::cell::{Draft, Join, Limits, Maker, Proposal, RemovedStubs};
+use crate::streets::filler::PinnedPatch;
 use glam::DVec2;
 
 /// A root of a patch this near to a port stands in it, in metres.
 const AT_PORT: f64 = 0.1;
 
-/// A pinned patch that is in the graph.
+/// A pinned patch that stands in the graph.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Laid {
-    /// Index into [`CellBrief::pinned`].
+pub struct StandingPatch {
+    /// Its place in the list of pinned patches.
     pub index: usize,
     /// One of its vertices; its streets hang together.
-    vertex: VertexIx,
+    pub vertex: VertexIx,
 }
 
 /// The placement of a pinned patch, as large as it is drawn.
@@ -27,165 +27,92 @@ fn placement(pinned: &PinnedPatch) -> Placement {
     Placement::new((pinned.patch, usize::MAX, DVec2::ZERO), DVec2::X, pinned.mirrored, pinned.at, to)
 }
 
-impl Work<'_> {
-    /// Lays the pinned patches in their order, those of `left_out` (indices) excepted; what does not fit joins `left_out`.
-    pub(super) fn lay_pinned(&mut self, left_out: &mut Vec<usize>) {
-        let limits = self.as_near_as_can_be();
-        for (index, pinned) in self.brief.pinned.iter().enumerate() {
-            if !left_out.contains(&index) && !self.lay(index, pinned, &limits) {
-                left_out.push(index);
-            }
+/// Lays the pinned patches in their order, those of `left_out` (indices) excepted; what does not fit joins `left_out`. The
+/// patches that stand.
+pub fn lay_pinned(
+    draft: &mut Draft<'_>,
+    placer: &mut Placer<'_>,
+    pinned: &[PinnedPatch],
+    left_out: &mut Vec<usize>,
+) -> Vec<StandingPatch> {
+    let limits = draft.rules.closest;
+    let mut standing = Vec::new();
+    for (index, pinned) in pinned.iter().enumerate() {
+        if left_out.contains(&index) {
+            continue;
         }
-        left_out.sort_unstable();
-    }
-
-    /// As near as streets may be at all: the user's wish outweighs the style.
-    fn as_near_as_can_be(&self) -> Limits {
-        let (junction_cosine, bend_cosine) = (math::cos(0.7), math::cos(1.3));
-        Limits { gap: STREET_FLOOR, wall_gap: 0.0, junction_cosine, bend_cosine, ..self.relaxed }
-    }
-
-    /// Lays one; false, and nothing changes, where it breaks a rule.
-    pub(super) fn lay(&mut self, index: usize, pinned: &PinnedPatch, limits: &Limits) -> bool {
-        if !self.propose_pinned(pinned) {
-            return false;
-        }
-        let mut stubs = Vec::new();
-        for join in &self.proposal.joins {
-            if let Join::At(port) = *join {
-                let stub = self.canvas.graph.edges_at(port).first().copied();
-                stubs.extend(stub.and_then(|s| self.canvas.graph.remove_edge(s)));
-            }
-        }
-        let radius = self.brief.patches.patches[pinned.patch].radius;
-        self.gather(pinned.at, radius + limits.gap.max(limits.wall_gap).max(30.0));
-        if !self.build_if_fits(limits, MadeBy::Patch(pinned.patch as u32)) {
-            for stub in stubs {
-                self.canvas.add_stub(stub.a, stub.b);
-            }
-            return false;
-        }
-        self.count_use(pinned.patch);
-        for (i, &v) in self.built.iter().enumerate() {
-            self.canvas.nodes[v as usize].pinned = true;
-            if self.proposal.joins[i] == Join::Free(true) {
-                self.canvas.nodes[v as usize].target = 2;
-                self.queue.push_back(v);
-            }
-        }
-        if let Some(&vertex) = self.built.first() {
-            self.laid.push(Laid { index, vertex });
-        }
-        true
-    }
-
-    /// Makes a pinned patch the proposal: whole, its roots in the ports that they fall on. False for one that is not
-    /// inside the cell or breaks the rules in itself.
-    fn propose_pinned(&mut self, pinned: &PinnedPatch) -> bool {
-        let known = self.brief.patches.patches.get(pinned.patch);
-        let Some(patch) = known.filter(|_| pinned.at.is_finite() && pinned.turned.is_finite()) else { return false };
-        let facts = self.brief.patches.facts(pinned.patch);
-        let placement = placement(pinned);
-        let mut slots = vec![usize::MAX; patch.vertices.len()];
-        let mut p = Proposal::default();
-        let roots = facts.main.as_ref().map_or(&[][..], |m| m.attachments.as_slice());
-        let mut fits = facts.shape.sound;
-        for e in patch.edges.iter().filter(|e| !e.main) {
-            for v in [e.a, e.b] {
-                if slots[v] != usize::MAX {
-                    continue;
-                }
-                slots[v] = p.points.len();
-                let at = placement.map(patch.vertices[v]);
-                let is_root = roots.contains(&v);
-                let port = self.brief.ports.iter().position(|x| is_root && x.at.distance(at) < AT_PORT);
-                if let Some(port) = port {
-                    let next = placement.map(patch.vertices[e.other(v)]);
-                    let inward = self.brief.ports[port].inward;
-                    fits &= (next - at).normalize_or_zero().dot(inward) > 0.8;
-                    p.push(self.brief.ports[port].at, Join::At(port as VertexIx));
-                } else {
-                    fits &= point_in_polygon(at, self.brief.border);
-                    p.push(at, Join::Free(is_root || patch.is_connectable(v)));
-                }
-            }
-            p.edges.push((slots[e.a], slots[e.b]));
-        }
-        self.proposal = p;
-        fits
-    }
-
-    /// Pinned patches that no way leads to from a port.
-    pub(super) fn cut_off(&self) -> Vec<usize> {
-        if self.laid.is_empty() {
-            return Vec::new();
-        }
-        let components = self.canvas.graph.components();
-        let reached: Vec<Option<u32>> = (0..self.brief.ports.len()).map(|port| components[port]).collect();
-        let cut = |l: &&Laid| !reached.contains(&components[l.vertex as usize]);
-        self.laid.iter().filter(cut).map(|l| l.index).collect()
-    }
-
-    /// Connects what hangs together with a pinned patch but with no port.
-    pub(super) fn connect_cut_off(&mut self) {
-        for _ in 0..self.laid.len() {
-            let components = self.canvas.graph.components();
-            let reached: Vec<Option<u32>> = (0..self.brief.ports.len()).map(|port| components[port]).collect();
-            let cut = self.laid.iter().map(|l| components[l.vertex as usize]).find(|c| !reached.contains(c));
-            let Some(cut) = cut else { return };
-            let near = [self.relaxed, self.as_near_as_can_be()];
-            if !near.into_iter().any(|limits| self.connect_part(&components, cut, limits)) {
-                return;
-            }
+        match lay(draft, placer, pinned, &limits) {
+            Some(vertex) => standing.push(StandingPatch { index, vertex }),
+            None => left_out.push(index),
         }
     }
+    left_out.sort_unstable();
+    standing
 }
 
-/// A place where the patch of index `patch` can stand: nothing of what the border, the ports and the patches that are
-/// pinned already ask for keeps it from being laid there, and there is room around it for streets to reach it. The same
-/// arguments give the same place; `None` where none of some hundred tries fits. A patch of a main street stands at ports,
-/// any other along the field.
-pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
-    let drawn = brief.patches.patches.get(patch)?;
-    let mut work = Work::new(brief);
-    work.lay_stubs();
-    work.lay_pinned(&mut Vec::new());
-    let mut rng = brief.seed.stream("place of a patch", &[brief.id.0, patch as u64, brief.pinned.len() as u64]);
-    let mut tries: Vec<PinnedPatch> = Vec::new();
-    if let Some(main) = brief.patches.facts(patch).main.as_ref() {
-        let along = drawn.vertices[main.to] - drawn.vertices[main.from];
-        for port in brief.ports {
-            for root in &main.attachments {
-                for mirrored in [false, true] {
-                    let at = drawn.vertices[*root];
-                    let side = along.perp().normalize_or_zero();
-                    let laid = Placement::new((patch, *root, at), side, mirrored, port.at, port.inward);
-                    let turned = math::angle_of(laid.map(DVec2::X) - laid.map(DVec2::ZERO));
-                    tries.push(PinnedPatch { patch, at: laid.map(DVec2::ZERO), turned, mirrored });
-                }
-            }
-        }
-        for i in (1..tries.len()).rev() {
-            tries.swap(i, rng.index(i + 1));
-        }
-    } else {
-        let bounds = crate::space::Bounds::of(brief.border.iter().copied());
-        for _ in 0..TRIES {
-            let at = bounds.min + bounds.size() * DVec2::new(rng.unit(), rng.unit());
-            let quarter = rng.index(4) as f64 * std::f64::consts::FRAC_PI_2;
-            let at = crate::space::quantize(at);
-            let turned = brief.field.angle(at) + quarter;
-            tries.push(PinnedPatch { patch, at, turned, mirrored: rng.chance(0.5) });
+/// Lays one and gives one of its vertices; `None`, and nothing changes, where it breaks a rule.
+pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch, limits: &Limits) -> Option<VertexIx> {
+    if !propose_pinned(draft, placer.patches, pinned) {
+        return None;
+    }
+    let mut stubs = RemovedStubs::default();
+    for join in &draft.trial.proposal.joins {
+        if let Join::At(port) = *join {
+            stubs.remove(&mut draft.canvas, port);
         }
     }
-    // First with the style's distances, so that streets go around it as around any other patch.
-    [work.limits, work.relaxed]
-        .into_iter()
-        .find_map(|limits| tries.iter().find(|t| work.lay(brief.pinned.len(), t, &limits)).copied())
+    let radius = placer.patches.patches[pinned.patch].radius;
+    draft.gather(pinned.at, radius + limits.gap.max(limits.wall_gap).max(30.0));
+    if !draft.build_if_fits(limits, Maker::Piece(pinned.patch as u32)) {
+        stubs.restore(&mut draft.canvas);
+        return None;
+    }
+    placer.count_use(pinned.patch);
+    for (i, &v) in draft.trial.built.iter().enumerate() {
+        draft.canvas.nodes[v as usize].pinned = true;
+        if draft.trial.proposal.joins[i] == Join::Free(true) {
+            draft.canvas.nodes[v as usize].wanted_degree = 2;
+            draft.candidates.push_back(v);
+        }
+    }
+    draft.trial.built.first().copied()
 }
 
-/// Places that are tried for a patch that stands free.
-const TRIES: usize = 400;
+/// Makes a pinned patch the proposal: whole, its roots in the ports that they fall on. False for one that is not
+/// inside the cell or breaks the rules in itself.
+fn propose_pinned(draft: &mut Draft<'_>, patches: &PatchDatabase, pinned: &PinnedPatch) -> bool {
+    let known = patches.patches.get(pinned.patch);
+    let Some(patch) = known.filter(|_| pinned.at.is_finite() && pinned.turned.is_finite()) else { return false };
+    let facts = patches.facts(pinned.patch);
+    let placement = placement(pinned);
+    let mut slots = vec![usize::MAX; patch.vertices.len()];
+    let mut p = Proposal::default();
+    let roots = facts.main.as_ref().map_or(&[][..], |m| m.attachments.as_slice());
+    let mut fits = facts.shape.sound;
+    for e in patch.edges.iter().filter(|e| !e.main) {
+        for v in [e.a, e.b] {
+            if slots[v] != usize::MAX {
+                continue;
+            }
+            slots[v] = p.points.len();
+            let at = placement.map(patch.vertices[v]);
+            let is_root = roots.contains(&v);
+            let port = draft.brief.ports.iter().position(|x| is_root && x.at.distance(at) < AT_PORT);
+            if let Some(port) = port {
+                let next = placement.map(patch.vertices[e.other(v)]);
+                let inward = draft.brief.ports[port].inward;
+                fits &= (next - at).normalize_or_zero().dot(inward) > 0.8;
+                p.push(draft.brief.ports[port].at, Join::At(port as VertexIx));
+            } else {
+                fits &= point_in_polygon(at, draft.brief.border);
+                p.push(at, Join::Free(is_root || patch.is_connectable(v)));
+            }
+        }
+        p.edges.push((slots[e.a], slots[e.b]));
+    }
+    draft.trial.proposal = p;
+    fits
+}
 
 #[cfg(test)]
 mod tests {
@@ -193,7 +120,8 @@ mod tests {
     use super::super::tests::{defects, fill};
     use super::*;
     use crate::space::{Seed, distance_to_segment, segments};
-    use crate::streets::CellStreets;
+    use crate::streets::filler::CellStreets;
+    use crate::streets::semantic::find_place;
 
     /// Whether every street of a pinned patch is there.
     fn stands(cell: &Sample<'_>, pinned: &PinnedPatch, out: &CellStreets) -> bool {

@@ -16,7 +16,7 @@ const FEW: i32 = 4;
 const END: u32 = u32::MAX;
 
 /// Obstacles, named by numbers, by the squares that they lie in.
-pub(super) struct Squares {
+pub struct Squares {
     corner: DVec2,
     size: IVec2,
     /// The youngest link of each square.
@@ -112,7 +112,7 @@ impl Squares {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub mod tests {
     use super::*;
     use crate::space::{Seed, segment_crossing};
 

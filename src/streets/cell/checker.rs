@@ -3,22 +3,22 @@
 
 use super::canvas::Canvas;
 use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
-use super::near::{NONE, Near, Seg, nearest, nearest_pairs};
-use super::proposal::{Join, Limits, Proposal};
-use crate::network::VertexIx;
-use crate::patch::STREET_FLOOR;
+use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest, nearest_pairs};
+use super::proposal::{Join, Proposal};
+use super::rules::Limits;
+use crate::network::{STREET_FLOOR, VertexIx};
 use crate::seam::STUB_LENGTH;
 use crate::space::segment_crossing;
 use glam::DVec2;
 
 /// Least distance of a dead end from any street that it does not join.
-pub(super) const DEAD_END_FLOOR: f64 = 13.0;
+pub const DEAD_END_FLOOR: f64 = 13.0;
 
 /// Distance from a loose end that may still be led into the street: room for a street of the least length.
 const TIP_GAP: f64 = 19.0;
 
 /// Streets may be near each other where they are near along the network as well: at this share of that distance.
-pub(super) const WEDGE: f64 = 0.5;
+pub const WEDGE: f64 = 0.5;
 
 /// More than the rounding errors of distances, in metres.
 const ROUNDING: f64 = 1e-6;
@@ -35,7 +35,7 @@ struct Doubt {
 
 /// Checks proposals; keeps its buffers between them.
 #[derive(Default)]
-pub(super) struct Checker {
+pub struct Checker {
     joints: Vec<Joint>,
     spare: Vec<Joint>,
     roots: Vec<u32>,
@@ -51,7 +51,7 @@ pub(super) struct Checker {
 impl Checker {
     /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
     /// within the gaps around it. A proposal must keep the rules inside itself.
-    pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+    pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Neighbourhood, limits: &Limits) -> bool {
         self.doubts.clear();
         // Ways along the network cost the most, and most proposals fail without.
         self.find_joints(canvas, p, limits)
@@ -60,7 +60,7 @@ impl Checker {
             && self
                 .doubts
                 .iter()
-                .all(|d| d.distance >= self.needed(d.index, &near.segs[d.obstacle], d.q, d.r, d.loose, limits))
+                .all(|d| d.distance >= self.needed(d.index, &near.obstacles[d.obstacle], d.q, d.r, d.loose, limits))
     }
 
     /// Finds the joints; false where one of them breaks a rule.
@@ -102,9 +102,10 @@ impl Checker {
 
     /// Finds what is near the joints along the network; false where a street that is divided or a way around a block
     /// breaks a rule.
-    fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Near, limits: &Limits) -> bool {
+    fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Neighbourhood, limits: &Limits) -> bool {
         // Of a way to what is too near as the crow flies no more than makes it far enough.
-        let enough = |d: &Doubt| if near.segs[d.obstacle].is_wall() { limits.wall_gap.max(30.0) } else { limits.gap };
+        let enough =
+            |d: &Doubt| if near.obstacles[d.obstacle].is_wall() { limits.wall_gap.max(30.0) } else { limits.gap };
         let gaps = self.doubts.iter().map(enough).fold(0.0, f64::max) / WEDGE;
         // Of a way around a block the part along the network may be no longer than what the proposal leaves of it.
         let pairs = self.joints.iter().enumerate().flat_map(|(i, j)| self.joints[..i].iter().map(move |k| (j, k)));
@@ -254,7 +255,14 @@ impl Checker {
 
     /// Whether an edge of the proposal keeps away from all obstacles, as far as that can be told without ways along the
     /// network; where it cannot, that is noted.
-    fn edge_fits(&mut self, canvas: &Canvas, p: &Proposal, index: usize, near: &Near, limits: &Limits) -> bool {
+    fn edge_fits(
+        &mut self,
+        canvas: &Canvas,
+        p: &Proposal,
+        index: usize,
+        near: &Neighbourhood,
+        limits: &Limits,
+    ) -> bool {
         let mut doubts = std::mem::take(&mut self.doubts);
         let fits = self.edge_may_fit(canvas, p, index, near, limits, &mut doubts);
         self.doubts = doubts;
@@ -266,7 +274,7 @@ impl Checker {
         canvas: &Canvas,
         p: &Proposal,
         index: usize,
-        near: &Near,
+        near: &Neighbourhood,
         limits: &Limits,
         doubts: &mut Vec<Doubt>,
     ) -> bool {
@@ -282,7 +290,7 @@ impl Checker {
         let step = b - a;
         let length = step.length();
         let (off, end) = (widest * length + ROUNDING, length * length);
-        'obstacles: for (obstacle, s) in near.segs.iter().enumerate() {
+        'obstacles: for (obstacle, s) in near.obstacles.iter().enumerate() {
             if !s.hull.overlaps(if s.is_wall() { to_walls } else { to_streets }) {
                 continue;
             }
@@ -351,7 +359,7 @@ impl Checker {
     }
 
     /// No more than [`needed`](Self::needed): ways along the network are at least as long as straight lines.
-    fn surely_needed(&self, index: usize, s: &Seg, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+    fn surely_needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let mut from_port = false;
         for (k, joint) in self.joints.iter().enumerate() {
@@ -370,7 +378,7 @@ impl Checker {
     }
 
     /// Distance that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
-    fn needed(&self, index: usize, s: &Seg, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+    fn needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let (mut shared, mut from_port) = (false, false);
         for (k, joint) in self.joints.iter().enumerate() {
@@ -397,7 +405,7 @@ impl Checker {
 }
 
 /// No less than [`Checker::needed`]: what is asked of streets that are far apart along the network.
-fn surely_enough(s: &Seg, loose: bool, limits: &Limits) -> f64 {
+fn surely_enough(s: &Obstacle, loose: bool, limits: &Limits) -> f64 {
     let enough = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap.max(STREET_FLOOR) };
     if loose { enough.max(DEAD_END_FLOOR) } else { enough }
 }
@@ -427,6 +435,6 @@ fn find_shared(canvas: &Canvas, joint: &mut Joint) {
     }
 }
 
-fn loose_end_near(end: DVec2, s: &Seg) -> bool {
+fn loose_end_near(end: DVec2, s: &Obstacle) -> bool {
     nearest(end, s.a, s.b).distance(end) < s.floor
 }

@@ -1,8 +1,8 @@
 //! Fairing: the doglegs that streets take to meet a port or each other go, and junctions move to where streets go straight on
 //! across them. What would break a rule of the [refit](super::refit) stays as it was.
 
-use super::Work;
-use super::refit::Line;
+use super::draft::Draft;
+use super::refit::{Line, Refit};
 use crate::network::{EdgeIx, VertexIx};
 use crate::space::{distance_to_segment, quantize};
 use glam::DVec2;
@@ -19,27 +19,43 @@ const ROUNDS: usize = 3;
 /// Streets at a junction that may be moved, at most.
 const MOST_ARMS: usize = 6;
 
-impl Work<'_> {
-    /// Makes the streets of the finished cell fair.
-    pub(super) fn make_fair(&mut self) {
-        if self.dogleg > 0.0 {
-            self.straighten_streets();
-            self.align_junctions();
-        }
+/// Makes the streets of the finished cell fair, where the style's streets do not wind.
+pub fn make_fair(draft: &mut Draft<'_>) {
+    if draft.rules.dogleg > 0.0 {
+        let mut fairing = Fairing {
+            refit: Refit {
+                canvas: &mut draft.canvas,
+                near: &mut draft.trial.near,
+                ports: draft.brief.ports,
+                limits: draft.rules.repair,
+            },
+            dogleg: draft.rules.dogleg,
+        };
+        fairing.straighten_streets();
+        fairing.align_junctions();
     }
+}
 
-    /// Lays streets straight from end to end that are within [`Work::dogleg`] of it.
+/// The refit of a whole cell.
+struct Fairing<'d> {
+    refit: Refit<'d>,
+    /// Greatest distance of a street that is straightened from straight, in metres.
+    dogleg: f64,
+}
+
+impl Fairing<'_> {
+    /// Lays streets straight from end to end that are within [`Fairing::dogleg`] of it.
     fn straighten_streets(&mut self) {
-        for chain in self.canvas.graph.chains(|v| self.canvas.is_end(v)) {
+        for chain in self.refit.canvas.graph.chains(|v| self.refit.canvas.is_end(v)) {
             if chain.len() == 1 {
                 continue;
             }
-            let vertices = self.canvas.graph.chain_vertices(&chain);
+            let vertices = self.refit.canvas.graph.chain_vertices(&chain);
             let (from, to) = (vertices[0], vertices[vertices.len() - 1]);
-            let g = &self.canvas.graph;
+            let g = &self.refit.canvas.graph;
             let (a, b) = (g.at(from), g.at(to));
             let near = |v: &VertexIx| {
-                distance_to_segment(g.at(*v), a, b) <= self.dogleg && !self.canvas.nodes[*v as usize].pinned
+                distance_to_segment(g.at(*v), a, b) <= self.dogleg && !self.refit.canvas.nodes[*v as usize].pinned
             };
             if from == to || !vertices.iter().all(near) {
                 continue;
@@ -47,13 +63,16 @@ impl Work<'_> {
             let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
             let length: f64 = edges.iter().map(|e| g.segment(*e)).map(|(a, b)| a.distance(b)).sum();
             let line = Line { from, to, a, b, was: (0, edges.len()) };
-            let is_long = line.length() >= self.relaxed.min_piece;
-            if is_long && self.keeps_way(line.length(), length, line.length()) && self.lines_fit(&[line], &edges) {
-                let made_by = self.maker(&chain);
+            let is_long = line.length() >= self.refit.limits.min_piece;
+            if is_long
+                && self.refit.keeps_way(line.length(), length, line.length())
+                && self.refit.lines_fit(&[line], &edges)
+            {
+                let made_by = self.refit.canvas.maker(&chain);
                 for edge in edges {
-                    self.canvas.graph.remove_edge(edge);
+                    self.refit.canvas.graph.remove_edge(edge);
                 }
-                self.canvas.add_last_edge(from, to, made_by);
+                self.refit.canvas.add_last_edge(from, to, made_by);
             }
         }
     }
@@ -62,7 +81,7 @@ impl Work<'_> {
     fn align_junctions(&mut self) {
         // First it is seen where all would come to lie if all could, then each is moved there, and then those next to one
         // that could not.
-        let g = &self.canvas.graph;
+        let g = &self.refit.canvas.graph;
         let mut places: Vec<DVec2> = g.vertices().map(|v| g.at(v)).collect();
         let mut restless: Vec<bool> = g.vertices().map(|v| g.degree(v) > 2).collect();
         for _ in 0..ROUNDS {
@@ -79,8 +98,8 @@ impl Work<'_> {
         restless.fill(false);
         for v in 0..places.len() as VertexIx {
             let to = places[v as usize];
-            if to != self.canvas.graph.at(v) && !self.move_junction(v, to) {
-                let g = &self.canvas.graph;
+            if to != self.refit.canvas.graph.at(v) && !self.move_junction(v, to) {
+                let g = &self.refit.canvas.graph;
                 places[v as usize] = g.at(v);
                 g.neighbours(v).for_each(|w| restless[w as usize] = true);
             }
@@ -96,7 +115,7 @@ impl Work<'_> {
 
     /// Moves the junction `v` if that is worth it and keeps the rules.
     fn move_junction(&mut self, v: VertexIx, to: DVec2) -> bool {
-        let g = &self.canvas.graph;
+        let g = &self.refit.canvas.graph;
         let at = g.at(v);
         if to.distance_squared(at) < WORTH * WORTH {
             return false;
@@ -104,19 +123,19 @@ impl Work<'_> {
         let line = |(i, w)| Line { from: v, to: w, a: to, b: g.at(w), was: (i, i + 1) };
         let lines: Vec<Line> = g.neighbours(v).enumerate().map(line).collect();
         let mut pairs = lines.iter().enumerate().flat_map(|(i, x)| lines[..i].iter().map(move |y| (x, y)));
-        let least = self.relaxed.min_piece;
+        let least = self.refit.limits.min_piece;
         let is_long = |line: &Line| line.length() >= least.min(at.distance(line.b));
         let gone = g.edges_at(v).to_vec();
         let fits = lines.iter().all(is_long)
             && pairs.all(|(x, y)| {
                 let before = at.distance(x.b) + at.distance(y.b);
-                self.keeps_way(x.length() + y.length(), before, x.b.distance(y.b))
-                    && self.keep_apart(x, y)
-                    && x.way_from(v).dot(y.way_from(v)) <= self.relaxed.junction_cosine
+                self.refit.keeps_way(x.length() + y.length(), before, x.b.distance(y.b))
+                    && self.refit.keep_apart(x, y)
+                    && x.way_from(v).dot(y.way_from(v)) <= self.refit.limits.junction_cosine
             })
-            && self.lines_fit(&lines, &gone);
+            && self.refit.lines_fit(&lines, &gone);
         if fits {
-            self.canvas.move_vertex(v, to);
+            self.refit.canvas.move_vertex(v, to);
         }
         fits
     }
@@ -124,8 +143,8 @@ impl Work<'_> {
     /// Where the streets that go on across the junction `v` do so straight, with all vertices at these places; `None` where
     /// none does, where it is too far and for what may not move.
     fn straight_on(&self, v: VertexIx, places: &[DVec2]) -> Option<DVec2> {
-        let node = self.canvas.nodes[v as usize];
-        let g = &self.canvas.graph;
+        let node = self.refit.canvas.nodes[v as usize];
+        let g = &self.refit.canvas.graph;
         if g.degree(v) < 3 || node.port.is_some() || node.pinned {
             return None;
         }

@@ -1,18 +1,18 @@
 //! What a cell is drawn on: the growing graph of local streets and the walls around it.
 
 use super::bands::Bands;
-use super::free::FreeGrid;
-use super::near::{Hull, NONE, Near, Ray, Reach, Seg, Tip};
+use super::free_grid::FreeGrid;
+use super::obstacle::{Hull, LooseEnd, NONE, Neighbourhood, Obstacle, Ray, Window};
 use super::proposal::{Join, Proposal};
 use super::squares::Squares;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::seam::{CellPort, STUB_LENGTH};
 use crate::space::{Bounds, quantize};
-use crate::streets::{CellBrief, MadeBy};
+use crate::streets::filler::CellBrief;
 use glam::{DVec2, Vec2};
 
 /// Least distance between a street's pavement and that of a border street, in metres.
-pub(super) const WALL_MARGIN: f64 = 4.0;
+pub const WALL_MARGIN: f64 = 4.0;
 
 /// Room for the edges of a cell; most have no more.
 const USUAL: usize = 512;
@@ -20,15 +20,26 @@ const USUAL: usize = 512;
 /// Least distance from an open side of the cell.
 const OPEN_SIDE: f64 = 14.0;
 
+/// What a filler made an edge with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Maker {
+    /// Parametric growth.
+    Growth,
+    /// Repair.
+    Repair,
+    /// A piece that the filler laid, by a number of its own.
+    Piece(u32),
+}
+
 /// What is known of a vertex beside its position.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
+pub struct Node {
     /// Index into the brief's ports, for the vertex at a port.
     pub port: Option<usize>,
     /// Whether the network may go on here. False for the ends of cul-de-sacs.
     pub open: bool,
     /// Number of streets that growth aims at here.
-    pub target: usize,
+    pub wanted_degree: usize,
     /// Whether it belongs to a pinned patch, of which nothing may be removed.
     pub pinned: bool,
 }
@@ -44,15 +55,15 @@ struct Division {
 }
 
 /// The growing graph of a cell.
-pub(super) struct Canvas {
+pub struct Canvas {
     /// Local streets.
-    pub graph: PlanarGraph<MadeBy>,
+    pub graph: PlanarGraph<Maker>,
     /// What is known of each vertex.
     pub nodes: Vec<Node>,
     /// Free room around every point.
     pub free: FreeGrid,
     /// The walls and after them the edges, by index; those of removed edges stay.
-    obstacles: Vec<Seg>,
+    obstacles: Vec<Obstacle>,
     /// Their numbers by place.
     bands: Bands,
     /// The same along a ray.
@@ -72,12 +83,12 @@ impl Canvas {
     pub fn new(brief: &CellBrief<'_>, asked: f64) -> Self {
         let n = brief.border.len();
         let origin = brief.border.first().copied().unwrap_or_default();
-        let obstacles: Vec<Seg> = (0..n)
+        let obstacles: Vec<Obstacle> = (0..n)
             .map(|i| {
                 let half = brief.street_half_width.get(i).copied().flatten();
                 let floor = half.map_or(OPEN_SIDE, |h| h + StreetClass::Local.half_width() + WALL_MARGIN);
                 let (a, b) = (brief.border[i], brief.border[(i + 1) % n]);
-                Seg { a, b, hull: Hull::new(a, b, origin), edge: NONE, va: NONE, vb: NONE, floor }
+                Obstacle { a, b, hull: Hull::new(a, b, origin), edge: NONE, va: NONE, vb: NONE, floor }
             })
             .filter(|w| w.a != w.b)
             .collect();
@@ -98,7 +109,7 @@ impl Canvas {
         };
         obstacles.into_iter().enumerate().for_each(|(i, w)| canvas.put(i, w));
         for (i, port) in brief.ports.iter().enumerate() {
-            canvas.add_vertex(port.at, Node { port: Some(i), target: 1, ..Node::default() });
+            canvas.add_vertex(port.at, Node { port: Some(i), wanted_degree: 1, ..Node::default() });
         }
         canvas
     }
@@ -111,7 +122,7 @@ impl Canvas {
 
     /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
     pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
-        self.graph.add_edge(port, end, MadeBy::Growth);
+        self.graph.add_edge(port, end, Maker::Growth);
         self.index_edges();
     }
 
@@ -119,13 +130,13 @@ impl Canvas {
     fn index_edges(&mut self) {
         for edge in self.obstacles.len() - self.walls..self.graph.edge_count() {
             // Every edge is indexed before it can be removed.
-            self.put(self.obstacles.len(), self.seg(edge as EdgeIx));
+            self.put(self.obstacles.len(), self.obstacle_of(edge as EdgeIx));
             self.divisions.push(None);
         }
     }
 
     /// Puts an obstacle in its place among the others, of which one there is already goes.
-    fn put(&mut self, number: usize, s: Seg) {
+    fn put(&mut self, number: usize, s: Obstacle) {
         self.squares.put(number as u32, s.a, s.b);
         self.bands.put(number, Bounds::of([s.a, s.b]));
         match self.obstacles.get_mut(number) {
@@ -135,21 +146,21 @@ impl Canvas {
     }
 
     /// An edge as an obstacle.
-    fn seg(&self, edge: EdgeIx) -> Seg {
+    fn obstacle_of(&self, edge: EdgeIx) -> Obstacle {
         let e = self.graph.edge(edge);
         let (a, b) = (self.graph.at(e.a), self.graph.at(e.b));
-        Seg { a, b, hull: Hull::new(a, b, self.origin), edge, va: e.a, vb: e.b, floor: 0.0 }
+        Obstacle { a, b, hull: Hull::new(a, b, self.origin), edge, va: e.a, vb: e.b, floor: 0.0 }
     }
 
     /// Adds an edge.
-    pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
+    pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: Maker) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
         self.free.stamp(self.obstacles.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
     /// Adds an edge to the finished cell, of which the coarse grid is asked no more.
-    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: MadeBy) {
+    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: Maker) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
     }
@@ -159,7 +170,7 @@ impl Canvas {
         self.graph.move_vertex(v, to);
         for i in 0..self.graph.degree(v) {
             let edge = self.graph.edges_at(v)[i];
-            self.put(self.walls + edge as usize, self.seg(edge));
+            self.put(self.walls + edge as usize, self.obstacle_of(edge));
         }
     }
 
@@ -226,7 +237,7 @@ impl Canvas {
 
     /// About the obstacle that is nearest to a place [counted in squares](FreeGrid::in_squares); `None` where that is no
     /// longer there.
-    pub fn nearest(&self, square: Vec2) -> Option<&Seg> {
+    pub fn nearest(&self, square: Vec2) -> Option<&Obstacle> {
         let mut number = self.free.nearest_at_square(square)?;
         while let Some(&Some(d)) = self.divisions.get(number.wrapping_sub(self.walls)) {
             let first = (self.free.place(square) - d.at).dot(d.along) < 0.0;
@@ -236,78 +247,78 @@ impl Canvas {
     }
 
     /// The wall or edge of this number among the obstacles; `None` for an edge that was removed.
-    fn obstacle(&self, number: usize) -> Option<&Seg> {
+    fn obstacle(&self, number: usize) -> Option<&Obstacle> {
         let s = &self.obstacles[number];
         self.is_there(s).then_some(s)
     }
 
-    fn is_there(&self, s: &Seg) -> bool {
+    fn is_there(&self, s: &Obstacle) -> bool {
         s.is_wall() || self.graph.is_live(s.edge)
     }
 
     /// Collects what lies within `reach` of the segment or point `of` into `near`.
-    pub fn gather(&self, of: Bounds, reach: f64, near: &mut Near) {
-        self.gather_segs(of.grown(reach), near);
-        near.tips.clear();
-        for s in near.segs.iter().filter(|s| !s.is_wall()) {
-            self.add_tips(s, &mut near.tips);
+    pub fn gather(&self, of: Bounds, reach: f64, near: &mut Neighbourhood) {
+        self.gather_obstacles(of.grown(reach), near);
+        near.loose_ends.clear();
+        for s in near.obstacles.iter().filter(|s| !s.is_wall()) {
+            self.add_loose_ends(s, &mut near.loose_ends);
         }
     }
 
     /// Collects the walls and streets that overlap a box into `near`; its dead ends stay as they are.
-    pub fn gather_segs(&self, bounds: Bounds, near: &mut Near) {
+    pub fn gather_obstacles(&self, bounds: Bounds, near: &mut Neighbourhood) {
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
-        near.segs.clear();
-        self.overlapping(bounds).for_each(|s| near.segs.push(*s));
+        near.obstacles.clear();
+        self.overlapping(bounds).for_each(|s| near.obstacles.push(*s));
     }
 
     /// The walls that overlap a box.
-    pub fn overlapping_walls(&self, bounds: Bounds) -> impl Iterator<Item = &Seg> {
-        let reach = Reach::new(bounds.min, bounds.max, self.origin);
+    pub fn overlapping_walls(&self, bounds: Bounds) -> impl Iterator<Item = &Obstacle> {
+        let reach = Window::new(bounds.min, bounds.max, self.origin);
         self.obstacles[..self.walls].iter().filter(move |s| s.hull.overlaps(reach))
     }
 
     /// The walls and streets that overlap a box.
-    pub fn overlapping(&self, bounds: Bounds) -> impl Iterator<Item = &Seg> {
-        let reach = Reach::new(bounds.min, bounds.max, self.origin);
+    pub fn overlapping(&self, bounds: Bounds) -> impl Iterator<Item = &Obstacle> {
+        let reach = Window::new(bounds.min, bounds.max, self.origin);
         let may_overlap = self.bands.within(bounds).map(|number| &self.obstacles[number]);
         may_overlap.filter(move |s| s.hull.overlaps(reach) && self.is_there(s))
     }
 
     /// Collects the dead ends of streets within `reach` of `of` into `near`, without the streets.
-    pub fn gather_tips(&self, of: Bounds, reach: f64, near: &mut Near) {
+    pub fn gather_loose_ends(&self, of: Bounds, reach: f64, near: &mut Neighbourhood) {
         let bounds = of.grown(reach);
-        near.segs.clear();
-        near.tips.clear();
+        near.obstacles.clear();
+        near.loose_ends.clear();
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
         for v in self.graph.vertices().filter(|v| self.is_dead_end(*v)) {
             let edge = self.graph.edges_at(v)[0];
             if self.obstacles[self.walls + edge as usize].hull.overlaps(near.within) {
                 let from = self.graph.at(self.graph.edge(edge).other(v));
-                near.tips.push(self.tip(v, from));
+                near.loose_ends.push(self.tip(v, from));
             }
         }
     }
 
-    fn add_tips(&self, s: &Seg, tips: &mut Vec<Tip>) {
+    fn add_loose_ends(&self, s: &Obstacle, loose_ends: &mut Vec<LooseEnd>) {
         for (v, from) in [(s.va, s.b), (s.vb, s.a)] {
             if self.is_dead_end(v) {
-                tips.push(self.tip(v, from));
+                loose_ends.push(self.tip(v, from));
             }
         }
     }
 
     /// The dead end `v` of a street that comes from `from`.
-    fn tip(&self, v: VertexIx, from: DVec2) -> Tip {
+    fn tip(&self, v: VertexIx, from: DVec2) -> LooseEnd {
         let at = self.graph.at(v);
-        Tip { v, at, lead: (at - from).normalize_or_zero(), open: self.nodes[v as usize].open }
+        LooseEnd { v, at, onward: (at - from).normalize_or_zero(), open: self.nodes[v as usize].open }
     }
 
     /// First obstacle among those that overlap `within` that the segment `from`-`to` meets, with the parameter and position
     /// on the segment. What ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
-    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx, within: Reach) -> Option<(Seg, f64, DVec2)> {
+    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx, within: Window) -> Option<(Obstacle, f64, DVec2)> {
         let mut ray = Ray::new(from, to, leaving, self.origin);
         self.squares.along(from, to, |number, end| {
             let s = &self.obstacles[number as usize];
@@ -339,7 +350,7 @@ impl Canvas {
     }
 
     /// Builds a proposal that was checked; the vertices of its points.
-    pub fn build(&mut self, p: &Proposal, made_by: MadeBy, vertices: &mut Vec<VertexIx>) {
+    pub fn build(&mut self, p: &Proposal, made_by: Maker, vertices: &mut Vec<VertexIx>) {
         vertices.clear();
         for (at, join) in p.points.iter().zip(&p.joins) {
             let v = match *join {
@@ -360,5 +371,24 @@ impl Canvas {
     pub fn onward(&self, v: VertexIx) -> Option<DVec2> {
         let w = self.graph.neighbours(v).next()?;
         Some((self.graph.at(v) - self.graph.at(w)).normalize_or_zero())
+    }
+
+    /// What made the greatest part of a chain.
+    pub fn maker(&self, chain: &[(EdgeIx, bool)]) -> Maker {
+        let g = &self.graph;
+        if let [(e, _)] = chain {
+            return g.edge(*e).data;
+        }
+        let mut shares: Vec<(Maker, f64)> = Vec::new();
+        for (e, _) in chain {
+            let (a, b) = g.segment(*e);
+            let (made_by, length) = (g.edge(*e).data, a.distance(b));
+            match shares.iter_mut().find(|s| s.0 == made_by) {
+                Some(s) => s.1 += length,
+                None => shares.push((made_by, length)),
+            }
+        }
+        let best = shares.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+        best.map_or(Maker::Growth, |b| b.0)
     }
 }

@@ -1,12 +1,13 @@
-//! Proposals: streets that could be added, and the limits that they are held against.
+//! Proposals: streets that could be added.
 
-use crate::network::{EdgeIx, VertexIx};
-use crate::space::quantize;
+use super::obstacle::nearest;
+use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
+use crate::space::{quantize, segment_crossing};
 use glam::DVec2;
 
 /// How a point of a proposal meets what is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Join {
+pub enum Join {
     /// It does not: a new vertex, and whether the network may go on from it.
     Free(bool),
     /// It is this vertex.
@@ -17,7 +18,7 @@ pub(super) enum Join {
 
 /// Streets that could be added.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Proposal {
+pub struct Proposal {
     /// Points.
     pub points: Vec<DVec2>,
     /// How each point meets what is there.
@@ -84,30 +85,47 @@ impl Proposal {
     pub fn joined(&self, point: usize) -> bool {
         !matches!(self.joins[point], Join::Free(_))
     }
-}
 
-/// What a proposal must keep to. Lengths in metres, angles in radians.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// Distance from streets that it does not meet.
-    pub gap: f64,
-    /// Distance from the border.
-    pub wall_gap: f64,
-    /// Cosine of the least angle at a junction.
-    pub junction_cosine: f64,
-    /// Cosine of the least angle at a point of inflexion; -1 is straight on.
-    pub bend_cosine: f64,
-    /// Least length of a street between junctions.
-    pub min_piece: f64,
-    /// Greatest number of streets at a junction.
-    pub max_degree: usize,
-    /// Least way around a block.
-    pub min_round: f64,
-}
-
-impl Limits {
-    /// No street must keep farther away from anything than this.
-    pub fn reach(&self) -> f64 {
-        self.gap.max(self.wall_gap).max(20.0)
+    /// Whether the last edges of the proposal's arms, which may have been moved, keep the rules towards the rest of it.
+    pub fn ends_keep_apart(&self) -> bool {
+        let p = self;
+        let degree = |x: usize| p.edges.iter().filter(|e| e.0 == x || e.1 == x).count();
+        for (i, &(a, b)) in p.edges.iter().enumerate() {
+            // Ends that meet nothing lie where the patch has them, or nearer.
+            let moved = |x: usize| matches!(p.joins[x], Join::At(_) | Join::On(_)) && degree(x) == 1;
+            let Some((end, inner)) = [(a, b), (b, a)].into_iter().find(|(x, _)| moved(*x)) else { continue };
+            let (e, f) = (p.points[end], p.points[inner]);
+            if e.distance(f) < 2.0 {
+                return false;
+            }
+            let crossing = degree(inner) > 2;
+            let (low, high) = (e.min(f) - STREET_FLOOR, e.max(f) + STREET_FLOOR);
+            for (k, &(c, d)) in p.edges.iter().enumerate() {
+                if k == i {
+                    continue;
+                }
+                let (s, t) = (p.points[c], p.points[d]);
+                if c == inner || d == inner {
+                    let other = if c == inner { t } else { s };
+                    let cosine = (e - f).normalize_or_zero().dot((other - f).normalize_or_zero());
+                    if cosine > if crossing { 0.74 } else { 0.0 } {
+                        return false;
+                    }
+                    continue;
+                }
+                if s.max(t).cmplt(low).any() || s.min(t).cmpgt(high).any() {
+                    continue;
+                }
+                if segment_crossing(e, f, s, t).is_some() {
+                    return false;
+                }
+                for (q, r) in [(e, nearest(e, s, t)), (nearest(s, e, f), s), (nearest(t, e, f), t)] {
+                    if q.distance(r) < (0.5 * (q.distance(f) + f.distance(r))).min(STREET_FLOOR) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
     }
 }

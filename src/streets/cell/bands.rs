@@ -11,7 +11,7 @@ const WIDTH: f64 = 30.0;
 const MARGIN: f64 = 0.1;
 
 /// Obstacles, named by numbers, by the bands of both directions that they reach into: a bit each.
-pub(super) struct Bands {
+pub struct Bands {
     corner: DVec2,
     /// The numbers of bands side by side and one above the other.
     size: UVec2,

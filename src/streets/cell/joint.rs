@@ -1,15 +1,15 @@
 //! Where a proposal meets the graph, and how far everything else is from there along the network.
 
 use super::canvas::Canvas;
-use super::near::{NONE, Near, Seg, nearest};
-use super::proposal::{Join, Limits};
-use crate::network::{EdgeIx, VertexIx};
-use crate::patch::STREET_FLOOR;
+use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest};
+use super::proposal::Join;
+use super::rules::Limits;
+use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
 use glam::DVec2;
 
 /// An edge near a joint along the network, with the distances of its ends along the network.
 #[derive(Clone, Copy)]
-pub(super) struct Reached {
+pub struct Reached {
     pub edge: EdgeIx,
     pub va: VertexIx,
     pub from_a: f64,
@@ -18,7 +18,7 @@ pub(super) struct Reached {
 
 /// Where a proposal meets the graph, and what is near there along the network.
 #[derive(Default)]
-pub(super) struct Joint {
+pub struct Joint {
     pub point: usize,
     pub at: DVec2,
     pub vertex: VertexIx,
@@ -30,7 +30,7 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    pub fn incident(&self, s: &Seg) -> bool {
+    pub fn incident(&self, s: &Obstacle) -> bool {
         !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
     }
 
@@ -51,7 +51,7 @@ impl Joint {
     }
 
     /// Distance along the network from the joint to the point `r` of an obstacle.
-    pub fn along(&self, s: &Seg, r: DVec2) -> f64 {
+    pub fn along(&self, s: &Obstacle, r: DVec2) -> f64 {
         if s.is_wall() {
             return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
         }
@@ -68,7 +68,7 @@ impl Joint {
 
 /// Whether a street that leaves `at` in `direction`, where it meets what is there by `join`, may do so beside the streets
 /// there.
-pub(super) fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2, limits: &Limits) -> bool {
+pub fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2, limits: &Limits) -> bool {
     let g = &canvas.graph;
     let length = direction.length();
     let turns = |other: DVec2, most: f64| direction.dot(other) <= most * length * other.length();
@@ -91,8 +91,8 @@ pub(super) fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction
 
 /// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
 /// must keep away from it.
-pub(super) fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| {
+pub fn parts_stay_apart(joint: &Joint, near: &Neighbourhood) -> bool {
+    near.obstacles.iter().all(|s| {
         s.is_wall()
             || joint.shared.contains(&s.edge)
             || nearest(joint.at, s.a, s.b).distance_squared(joint.at) >= STREET_FLOOR * STREET_FLOOR
@@ -100,6 +100,6 @@ pub(super) fn parts_stay_apart(joint: &Joint, near: &Near) -> bool {
 }
 
 /// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
-pub(super) fn keeps_off_walls(joint: &Joint, near: &Near) -> bool {
-    near.segs.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
+pub fn keeps_off_walls(joint: &Joint, near: &Neighbourhood) -> bool {
+    near.obstacles.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
 }

@@ -5,7 +5,7 @@ use crate::space::Bounds;
 use glam::{DVec2, Vec2, Vec4};
 
 /// Edge of a grid square, in metres.
-pub(super) const STEP: f64 = 6.0;
+pub const STEP: f64 = 6.0;
 
 /// Squares that are done at once.
 const LANES: usize = 4;
@@ -16,7 +16,7 @@ const SLACK: f64 = STEP * 0.71;
 /// Square of the distance to the nearest obstacle at the middle of every grid square, up to a cap; 0 outside the cell.
 ///
 /// This is the approximation of the work area that Teng 2017, section 3.3, filters patches with.
-pub(super) struct FreeGrid {
+pub struct FreeGrid {
     origin: DVec2,
     /// The numbers of columns and rows.
     size: Vec2,

@@ -1,12 +1,12 @@
 //! Whether straight streets may be laid in the place of what is there: as near to all else as the rules of the repair allow,
 //! or, as streets near a junction are nearer than that, no nearer than what goes.
 
-use super::Work;
+use super::canvas::Canvas;
 use super::checker::{DEAD_END_FLOOR, WEDGE};
-use super::near::{Seg, nearest_pairs};
-use crate::network::{EdgeIx, VertexIx};
-use crate::patch::STREET_FLOOR;
-use crate::seam::STUB_LENGTH;
+use super::obstacle::{Neighbourhood, Obstacle, nearest_pairs};
+use super::rules::Limits;
+use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
+use crate::seam::{CellPort, STUB_LENGTH};
 use crate::space::{Bounds, distance_to_segment, segment_distance};
 use glam::DVec2;
 
@@ -21,7 +21,7 @@ const WAY_LEFT: f64 = 0.8;
 
 /// A straight street, or a part of one, in the place of what is there.
 #[derive(Clone, Copy)]
-pub(super) struct Line {
+pub struct Line {
     /// Its first end; the vertex may lie elsewhere yet.
     pub from: VertexIx,
     /// Its last end.
@@ -35,7 +35,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    fn of(s: &Seg) -> Self {
+    fn of(s: &Obstacle) -> Self {
         Self { from: s.va, to: s.vb, a: s.a, b: s.b, was: (0, 0) }
     }
 
@@ -68,22 +68,32 @@ impl Line {
     }
 }
 
-impl Work<'_> {
+/// Finds whether straight streets may take the place of others.
+pub struct Refit<'d> {
+    pub canvas: &'d mut Canvas,
+    /// Buffer for the obstacles around the streets.
+    pub near: &'d mut Neighbourhood,
+    pub ports: &'d [CellPort],
+    /// What new streets keep to.
+    pub limits: Limits,
+}
+
+impl Refit<'_> {
     /// Whether a way along streets that changes from `before` metres to `now` still leads around blocks that are large
     /// enough: it ends `apart` metres from where it began.
-    pub(super) fn keeps_way(&self, now: f64, before: f64, apart: f64) -> bool {
-        now + apart >= self.relaxed.min_round || now >= WAY_LEFT * before
+    pub fn keeps_way(&self, now: f64, before: f64, apart: f64) -> bool {
+        now + apart >= self.limits.min_round || now >= WAY_LEFT * before
     }
 
     /// Whether these may be laid in the place of the edges `gone`.
-    pub(super) fn lines_fit(&mut self, lines: &[Line], gone: &[EdgeIx]) -> bool {
+    pub fn lines_fit(&mut self, lines: &[Line], gone: &[EdgeIx]) -> bool {
         let g = &self.canvas.graph;
         let ends_fit = lines.iter().all(|line| {
             line.ends().into_iter().all(|(v, at, other)| {
                 let way = (other - at).normalize_or_zero();
                 let others = || g.edges_at(v).iter().filter(|e| !gone.contains(e));
                 let bends = others().count() == 1;
-                let most = if bends { self.relaxed.bend_cosine } else { self.relaxed.junction_cosine };
+                let most = if bends { self.limits.bend_cosine } else { self.limits.junction_cosine };
                 self.leaves_port(v, way)
                     && others().all(|e| way.dot((g.at(g.edge(*e).other(v)) - g.at(v)).normalize_or_zero()) <= most)
             })
@@ -91,7 +101,7 @@ impl Work<'_> {
         if !ends_fit {
             return false;
         }
-        let (gap, wall_gap) = (self.relaxed.gap, self.relaxed.wall_gap);
+        let (gap, wall_gap) = (self.limits.gap, self.limits.wall_gap);
         // The border is long and asks for more room than streets do.
         let keep_off = lines.iter().all(|line| {
             let bounds = Bounds::of([line.a, line.b]).grown(wall_gap.max(gap));
@@ -101,33 +111,33 @@ impl Work<'_> {
         if !keep_off {
             return false;
         }
-        let mut near = std::mem::take(&mut self.near);
-        self.canvas.gather_segs(Bounds::of(lines.iter().flat_map(|l| [l.a, l.b])).grown(gap), &mut near);
-        near.segs.retain(|s| !s.is_wall() && !gone.contains(&s.edge));
+        let mut near = std::mem::take(self.near);
+        self.canvas.gather_obstacles(Bounds::of(lines.iter().flat_map(|l| [l.a, l.b])).grown(gap), &mut near);
+        near.obstacles.retain(|s| !s.is_wall() && !gone.contains(&s.edge));
         let fits = lines.iter().all(|line| {
             let reach = near.reach(line.a.min(line.b) - gap, line.a.max(line.b) + gap);
-            near.segs.iter().filter(|s| s.hull.overlaps(reach)).all(|s| {
+            near.obstacles.iter().filter(|s| s.hull.overlaps(reach)).all(|s| {
                 let other = Line::of(s);
                 self.keep_apart(line, &other) && self.is_beside(line, lines, gone, &other)
             })
         });
-        self.near = near;
+        *self.near = near;
         fits
     }
 
     /// Whether a street from `v` in the direction `way` leaves the main street about squarely, if `v` is a port.
     fn leaves_port(&self, v: VertexIx, way: DVec2) -> bool {
-        self.canvas.nodes[v as usize].port.is_none_or(|port| way.dot(self.brief.ports[port].inward) >= PORT)
+        self.canvas.nodes[v as usize].port.is_none_or(|port| way.dot(self.ports[port].inward) >= PORT)
     }
 
     /// Whether the dead ends of two lines that meet are far enough from the other line.
-    pub(super) fn keep_apart(&self, x: &Line, y: &Line) -> bool {
-        let tips = |x: &Line, y: &Line| {
+    pub fn keep_apart(&self, x: &Line, y: &Line) -> bool {
+        let loose_ends = |x: &Line, y: &Line| {
             x.ends().into_iter().all(|(v, at, _)| {
                 y.ends_at(v) || !self.canvas.is_dead_end(v) || distance_to_segment(at, y.a, y.b) >= DEAD_END_FLOOR
             })
         };
-        !(x.ends_at(y.from) || x.ends_at(y.to)) || (tips(x, y) && tips(y, x))
+        !(x.ends_at(y.from) || x.ends_at(y.to)) || (loose_ends(x, y) && loose_ends(y, x))
     }
 
     /// Whether one of `lines` keeps as far from a street as that must be, or is no nearer than what was there.
@@ -136,7 +146,7 @@ impl Work<'_> {
             return true;
         }
         let now = line.distance(other);
-        now >= self.relaxed.gap
+        now >= self.limits.gap
             || now >= self.before(line, gone, other)
             || now > 0.0 && self.is_near_along(line, lines, gone, other)
     }
@@ -152,7 +162,7 @@ impl Work<'_> {
             let end = g.at(w);
             pairs.iter().all(|(q, r)| {
                 let way = q.distance(at) + at.distance(end) + end.distance(*r);
-                q.distance(*r) >= self.relaxed.gap.min(WEDGE * way).max(floor)
+                q.distance(*r) >= self.limits.gap.min(WEDGE * way).max(floor)
             })
         };
         line.ends().into_iter().any(|(v, at, _)| {
@@ -169,8 +179,8 @@ impl Work<'_> {
     }
 
     /// Whether a line keeps as far from a wall as streets must, or is about no nearer than what was there.
-    fn keeps_off(&self, line: &Line, wall: &Seg, gone: &[EdgeIx]) -> bool {
-        let wall_gap = self.relaxed.wall_gap;
+    fn keeps_off(&self, line: &Line, wall: &Obstacle, gone: &[EdgeIx]) -> bool {
+        let wall_gap = self.limits.wall_gap;
         let wall_line = Line::of(wall);
         let port = line.ends().into_iter().find(|(v, ..)| self.canvas.nodes[*v as usize].port.is_some());
         if let Some((_, at, far)) = port {

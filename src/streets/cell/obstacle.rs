@@ -7,13 +7,13 @@ use glam::{DVec2, Vec4};
 /// Least cross product, in square metres, of what is surely beside a line; rounding errors are far smaller.
 const BESIDE: f64 = 1e-6;
 
-/// Stands for "no edge" and "no vertex" in a [`Seg`].
-pub(super) const NONE: u32 = u32::MAX;
+/// Stands for "no edge" and "no vertex" in a [`Obstacle`].
+pub const NONE: u32 = u32::MAX;
 
 /// The box of a segment, or a little more, so that one instruction or two tell whether it overlaps another: the south-west
 /// corner and the north-east one with its signs changed, in single precision, from the canvas's origin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hull(Vec4);
+pub struct Hull(Vec4);
 
 impl Hull {
     /// The box of the segment `a`-`b`.
@@ -23,16 +23,16 @@ impl Hull {
     }
 
     /// False only where the boxes are surely apart.
-    pub fn overlaps(self, reach: Reach) -> bool {
+    pub fn overlaps(self, reach: Window) -> bool {
         self.0.cmple(reach.0).all()
     }
 }
 
 /// A box to hold against [`Hull`]s: its north-east corner, and the south-west one with its signs changed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Reach(Vec4);
+pub struct Window(Vec4);
 
-impl Reach {
+impl Window {
     /// The box from `low` to `high`, for hulls from the same origin.
     pub fn new(low: DVec2, high: DVec2, origin: DVec2) -> Self {
         let (low, high) = ((low - origin).as_vec2(), (high - origin).as_vec2());
@@ -45,7 +45,7 @@ const HULL_MARGIN: f64 = 0.02;
 
 /// An obstacle: a street segment or a wall.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seg {
+pub struct Obstacle {
     /// First end.
     pub a: DVec2,
     /// Second end.
@@ -62,7 +62,7 @@ pub(super) struct Seg {
     pub floor: f64,
 }
 
-impl Seg {
+impl Obstacle {
     /// Whether this is a border edge.
     pub fn is_wall(&self) -> bool {
         self.edge == NONE
@@ -82,40 +82,40 @@ impl Seg {
 
 /// The obstacles around a place, copied together so that many proposals can be held against them.
 #[derive(Default)]
-pub(super) struct Near {
+pub struct Neighbourhood {
     /// The obstacles.
-    pub segs: Vec<Seg>,
+    pub obstacles: Vec<Obstacle>,
     /// The dead ends among their ends.
-    pub tips: Vec<Tip>,
+    pub loose_ends: Vec<LooseEnd>,
     /// Where they were looked for.
-    pub within: Reach,
+    pub within: Window,
     /// Origin of the hulls.
     pub origin: DVec2,
 }
 
 /// A dead end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tip {
+pub struct LooseEnd {
     /// The vertex.
     pub v: VertexIx,
     /// Where it lies.
     pub at: DVec2,
     /// Unit direction in which its street would go on.
-    pub lead: DVec2,
+    pub onward: DVec2,
     /// Whether the network may go on here.
     pub open: bool,
 }
 
-impl Near {
+impl Neighbourhood {
     /// The box from `low` to `high`, to hold against the hulls of the obstacles.
-    pub fn reach(&self, low: DVec2, high: DVec2) -> Reach {
-        Reach::new(low, high, self.origin)
+    pub fn reach(&self, low: DVec2, high: DVec2) -> Window {
+        Window::new(low, high, self.origin)
     }
 
     /// First of these obstacles that the segment `from`-`to` meets, as [`Canvas::ray`].
-    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Seg, f64, DVec2)> {
+    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Obstacle, f64, DVec2)> {
         let mut ray = Ray::new(from, to, leaving, self.origin);
-        for (number, s) in self.segs.iter().enumerate() {
+        for (number, s) in self.obstacles.iter().enumerate() {
             if s.hull.overlaps(ray.reach) {
                 ray.try_on(number as u32, s);
             }
@@ -125,25 +125,25 @@ impl Near {
 }
 
 /// A segment and what it meets first, so far.
-pub(super) struct Ray {
+pub struct Ray {
     from: DVec2,
     to: DVec2,
     leaving: VertexIx,
     origin: DVec2,
     /// What lies beyond is not met first.
-    pub reach: Reach,
-    best: Option<(u32, Seg, f64, DVec2)>,
+    pub reach: Window,
+    best: Option<(u32, Obstacle, f64, DVec2)>,
 }
 
 impl Ray {
     /// From `from` to `to`, leaving the vertex `leaving`.
     pub fn new(from: DVec2, to: DVec2, leaving: VertexIx, origin: DVec2) -> Self {
-        let reach = Reach::new(from.min(to), from.max(to), origin);
+        let reach = Window::new(from.min(to), from.max(to), origin);
         Self { from, to, leaving, origin, reach, best: None }
     }
 
     /// Takes an obstacle into account; where that is met, if it is the first so far. Of two that are met at once the lower number counts.
-    pub fn try_on(&mut self, number: u32, s: &Seg) -> Option<DVec2> {
+    pub fn try_on(&mut self, number: u32, s: &Obstacle) -> Option<DVec2> {
         let (from, to) = (self.from, self.to);
         if s.is_beside(from, to - from) {
             return None;
@@ -159,24 +159,24 @@ impl Ray {
         if first {
             self.best = Some((number, *s, x.t, x.at));
             // More than rounding is left.
-            self.reach = Reach::new(from.min(x.at), from.max(x.at), self.origin);
+            self.reach = Window::new(from.min(x.at), from.max(x.at), self.origin);
         }
         first.then_some(x.at)
     }
 
     /// What is met first: the obstacle, and parameter and position on the segment.
-    pub fn met(self) -> Option<(Seg, f64, DVec2)> {
+    pub fn met(self) -> Option<(Obstacle, f64, DVec2)> {
         self.best.map(|(_, s, t, at)| (s, t, at))
     }
 }
 
 /// Nearest point of segment `a`-`b` to `p`.
-pub(super) fn nearest(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
+pub fn nearest(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     closest_on_segment(p, a, b).1
 }
 
 /// Where two segments may come nearest to each other if they do not cross: each end and the point of the other nearest to it,
 /// as points of the first and of the second.
-pub(super) fn nearest_pairs((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> [(DVec2, DVec2); 4] {
+pub fn nearest_pairs((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> [(DVec2, DVec2); 4] {
     [(a, nearest(a, c, d)), (b, nearest(b, c, d)), (nearest(c, a, b), c), (nearest(d, a, b), d)]
 }

@@ -1,0 +1,192 @@
+//! Blocks that came out much larger than the style's streets are long are divided by a street across them.
+
+use super::checker::WEDGE;
+use super::draft::Draft;
+use super::free_grid::FreeGrid;
+use super::mend::{Mend, build_best, landing, off_by};
+use super::obstacle::{NONE, Obstacle};
+use super::proposal::Join;
+use super::rules::Limits;
+use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
+use crate::space::{
+    Bounds, centroid,
+    math::{angle_of, rotate},
+};
+use glam::DVec2;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Streets across a block of which it is found where they end, and so many of them together, of which the best is built.
+const LOOKED_AT: usize = 15;
+
+const TOGETHER: usize = 5;
+
+/// Angle to square of streets that are laid aslant across a block, in radians.
+const SLANT: f64 = 0.3;
+
+/// Where a street across a block may begin.
+struct Start {
+    cost: f64,
+    from: DVec2,
+    /// Direction square to the street that it leaves.
+    square: DVec2,
+    way: DVec2,
+    /// From the one to the other.
+    angle: f64,
+    /// The street that it leaves.
+    edge: EdgeIx,
+}
+
+/// Divides blocks that are much larger than the style's; how many streets it added.
+pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
+    let length = draft.rules.local.length;
+    let most = 2.6 * length * length;
+    let mut added = 0;
+    let blocks = blocks(draft);
+    // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.
+    let mut sides: Vec<u8> = vec![0; draft.canvas.graph.edge_count()];
+    for &e in blocks.iter().flat_map(|(_, edges)| edges.iter().flatten()) {
+        sides[e as usize] = sides[e as usize].saturating_add(1);
+    }
+    for (face, edges) in blocks {
+        if face.area() > most && divide(draft, &face, &edges, &sides) {
+            added += 1;
+        }
+    }
+    added
+}
+
+/// Lays a street across a block, from one of its local streets to another. `sides` is the number of blocks at each edge
+/// of the graph; younger edges are missing there.
+fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &[u8]) -> bool {
+    let bounds = Bounds::of(face.polygon.iter().copied());
+    draft.canvas.gather(bounds, 20.0, &mut draft.trial.near);
+    let middle = centroid(&face.polygon);
+    let limits = Limits { gap: draft.rules.growth.gap, wall_gap: draft.rules.growth.wall_gap, ..draft.rules.repair };
+    let reach = bounds.size().length();
+    // A street across the block can only meet what is around it and in it first.
+    draft.trial.narrow(|s: &Obstacle| {
+        s.is_wall() || sides.get(s.edge as usize).is_none_or(|n| *n < 2) || edges.contains(&Some(s.edge))
+    });
+    let starts = starts_across(draft, face, edges, reach, middle);
+    let mut line = Vec::new();
+    starts.chunks(TOGETHER).any(|starts| {
+        let mut mends: Vec<Mend> = Vec::with_capacity(TOGETHER);
+        for s in starts {
+            if let Some((end, last, distance)) = landing(draft, s.from + s.square * 0.5, s.way, reach, NONE, &mut line)
+                && last != Join::On(s.edge)
+                && way_is_roughly_free(&draft.canvas.free, s.from, end, &limits)
+            {
+                let cost = cost_across(s.from, end, distance, s.angle, middle);
+                mends.push(Mend::straight(cost, s.from, end, Join::On(s.edge), last));
+            }
+        }
+        draft.trial.swap_view();
+        let divided = build_best(draft, mends, &limits, TOGETHER);
+        draft.trial.swap_view();
+        divided
+    })
+}
+
+/// Where streets across a block may begin, the best first, as far as the coarse grid tells what they cost.
+fn starts_across(draft: &Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], reach: f64, middle: DVec2) -> Vec<Start> {
+    let mut starts: Vec<Start> = Vec::with_capacity(4 * edges.len());
+    for (i, edge) in edges.iter().enumerate() {
+        let Some(edge) = edge.filter(|e| draft.canvas.graph.is_live(*e)) else { continue };
+        let (a, b) = (face.polygon[i], face.polygon[(i + 1) % face.polygon.len()]);
+        let square = (b - a).perp().normalize_or_zero();
+        // Of the ways across that which suits the field best: all are about as long.
+        let heading = angle_of(square) - draft.brief.field.angle(a.midpoint(b));
+        let ways = [0.0, SLANT, -SLANT].map(|angle| (off_by(draft, heading + angle), angle));
+        let dearness = |way: &(f64, f64)| way.0 * (1.0 + 0.5 * way.1.abs());
+        let cheaper = |a, b| if dearness(&b) < dearness(&a) { b } else { a };
+        let Some((off, angle)) = ways.into_iter().reduce(cheaper) else { continue };
+        let way = rotate(square, angle);
+        let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
+        for k in 1..parts {
+            let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
+            let [far] = draft.canvas.free.ahead([(from, way)], reach);
+            let cost = cost_across(from, from + way * far, far * off, angle, middle);
+            starts.push(Start { cost, from, square, way, angle, edge });
+        }
+    }
+    // Of two that cost the same always the same one, whatever the order in which a selection leaves them.
+    let key = |s: &Start| [s.cost, s.from.x, s.from.y, s.square.x, s.square.y, s.angle];
+    let cheaper = |a: &Start, b: &Start| {
+        let differ = key(a).iter().zip(key(b)).map(|(x, y)| x.total_cmp(&y)).find(|o| o.is_ne());
+        differ.unwrap_or(Ordering::Equal)
+    };
+    if starts.len() > LOOKED_AT {
+        starts.select_nth_unstable_by(LOOKED_AT, cheaper);
+        starts.truncate(LOOKED_AT);
+    }
+    starts.sort_by(cheaper);
+    starts
+}
+
+/// What a street across a block costs, of this length and at this angle to square; the more the farther from its middle.
+fn cost_across(from: DVec2, end: DVec2, distance: f64, angle: f64, middle: DVec2) -> f64 {
+    distance * (1.0 + 0.5 * angle.abs()) + 1.5 * ((from + end) / 2.0).distance(middle)
+}
+
+/// Faces between local streets and the border, each with the local edge of every step of its walk.
+fn blocks(draft: &Draft<'_>) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
+    let local = &draft.canvas.graph;
+    let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
+    // Local streets keep their vertices, but ports in one place, at both sides of a main street, are one there.
+    let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
+    for v in local.vertices() {
+        graph.add_vertex(local.at(v));
+    }
+    let place = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+    for port in (0..draft.brief.ports.len() as VertexIx).rev() {
+        places.insert(place(local.at(port)), port);
+    }
+    // A main street that is walked on both sides is there once.
+    let mut known: BTreeSet<(VertexIx, VertexIx)> = BTreeSet::new();
+    for (a, b) in draft.canvas.wall_lines() {
+        // Divided at the ports that lie on it.
+        let mut cuts: Vec<(f64, DVec2)> = vec![(0.0, a), (1.0, b)];
+        let ab = b - a;
+        for port in draft.brief.ports {
+            let t = (port.at - a).dot(ab) / ab.length_squared();
+            if t > 0.0 && t < 1.0 && (a + ab * t).distance(port.at) < 0.01 {
+                cuts.push((t, port.at));
+            }
+        }
+        cuts.sort_by(|x, y| x.0.total_cmp(&y.0));
+        for pair in cuts.windows(2) {
+            let [a, b] = [pair[0].1, pair[1].1].map(|p| {
+                let p = crate::space::quantize(p);
+                *places.entry(place(p)).or_insert_with(|| graph.add_vertex(p))
+            });
+            if a != b && known.insert((a.min(b), a.max(b))) {
+                graph.add_edge(a, b, None);
+            }
+        }
+    }
+    let shared = |v: VertexIx| {
+        let port = (v as usize) < draft.brief.ports.len();
+        port.then(|| places.get(&place(local.at(v))).copied()).flatten().unwrap_or(v)
+    };
+    for (e, edge) in local.edges() {
+        graph.add_edge(shared(edge.a), shared(edge.b), Some(e));
+    }
+    let faces = graph.faces().into_iter().filter(|f| f.area() > 0.0);
+    faces
+        .map(|f| {
+            let edges = f.walk.iter().map(|h| graph.edge(h.edge).data).collect();
+            (f, edges)
+        })
+        .collect()
+}
+
+/// Quick and coarse: false when a street from `from` to `to`, where it meets others, surely comes too near something on its
+/// way.
+fn way_is_roughly_free(free: &FreeGrid, from: DVec2, to: DVec2, limits: &Limits) -> bool {
+    let length = from.distance(to);
+    [0.3, 0.5, 0.7].into_iter().all(|share: f64| {
+        let needed = (WEDGE * length * share.min(1.0 - share)) as f32;
+        free.at(from.lerp(to, share)) >= FreeGrid::least(needed.min(limits.coarse_gap()))
+    })
+}

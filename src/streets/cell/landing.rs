@@ -1,0 +1,142 @@
+//! How a street ends among what is there: the snap and clip operations of Teng 2017, section 3.
+
+use super::canvas::Canvas;
+use super::obstacle::{NONE, Neighbourhood, Obstacle};
+use super::proposal::Join;
+use super::rules::{LEAST_ARM, Limits};
+use crate::network::VertexIx;
+use crate::space::point_at;
+use glam::DVec2;
+
+/// A street that meets another this near to a point of inflexion meets it there, in metres.
+const AT_INFLEXION: f64 = 5.0;
+
+/// Finds where streets end among the obstacles near them.
+#[derive(Clone, Copy)]
+pub struct Landing<'a> {
+    /// The streets that are built.
+    pub canvas: &'a Canvas,
+    /// The obstacles that a street may meet.
+    pub near: &'a Neighbourhood,
+    /// Distance over which the end of a street is drawn to another, in metres.
+    pub snap_radius: f64,
+    /// Least cosine of the bend where a street goes on as another.
+    pub straightness: f64,
+}
+
+impl Landing<'_> {
+    /// First of the obstacles near that the segment `from`-`to` meets, as [`Canvas::ray`].
+    pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Obstacle, f64, DVec2)> {
+        if self.near.obstacles.is_empty() {
+            // Only dead ends were gathered.
+            self.canvas.ray(from, to, leaving, self.near.within)
+        } else {
+            self.near.ray(from, to, leaving)
+        }
+    }
+
+    /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
+    /// at the end of the line, which is changed to that. `None` when too little is left of it. What ends at the vertex
+    /// `leaving` is ignored.
+    pub fn settle(&self, line: &mut Vec<DVec2>, leaving: VertexIx, limits: &Limits) -> Option<Join> {
+        let snap = self.snap_radius;
+        let mut before = 0.0;
+        for k in 0..line.len().saturating_sub(1) {
+            let (from, to) = (line[k], line[k + 1]);
+            let length = from.distance(to);
+            let direction = (to - from) / length.max(1e-9);
+            let last = k + 2 == line.len();
+            // Most of a street lies in the open.
+            if !last && self.canvas.is_clear(from, length) {
+                before += length;
+                continue;
+            }
+            // What lies less far ahead than the gap must be met or kept away from.
+            let reach = length + if last { snap.max(limits.gap) } else { 0.0 };
+            let leaving = if k == 0 { leaving } else { NONE };
+            let hit = self.ray(from, from + direction * reach, leaving);
+            let ahead = hit.map_or(reach, |h| h.1 * reach);
+            if last && let Some((v, p)) = self.facing_end(from, direction, length, ahead, leaving) {
+                line.truncate(k + 1);
+                line.push(p);
+                return Some(Join::At(v));
+            }
+            let Some((s, _, at)) = hit else {
+                before += length;
+                continue;
+            };
+            if s.is_wall() {
+                let sine = (s.b - s.a).normalize_or_zero().perp_dot(direction).abs().max(0.2);
+                let room = before + ahead - limits.wall_gap.max(s.floor) / sine - 0.1;
+                let cut = room.min(before + length);
+                if cut < LEAST_ARM {
+                    return None;
+                }
+                cut_back(line, cut);
+                return Some(Join::Free(true));
+            }
+            let (end, join) = landing_place(self.canvas, &s, at, limits);
+            line.truncate(k + 1);
+            line.push(end);
+            return Some(join);
+        }
+        Some(Join::Free(true))
+    }
+
+    /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
+    /// metres away, about where a street of `length` metres ends or beyond.
+    fn facing_end(
+        &self,
+        from: DVec2,
+        direction: DVec2,
+        length: f64,
+        ahead: f64,
+        leaving: VertexIx,
+    ) -> Option<(VertexIx, DVec2)> {
+        let snap = self.snap_radius;
+        let mut best: Option<(VertexIx, DVec2, f64)> = None;
+        for tip in &self.near.loose_ends {
+            let (p, off) = (tip.at, direction.perp_dot(tip.at - from).abs());
+            let along = (p - from).dot(direction);
+            if tip.v == leaving || along < 0.5 * length || along > ahead.min(length + snap) {
+                continue;
+            }
+            let far = from.distance(p);
+            let faces = tip.onward.dot(from - p) >= 0.7 * far;
+            let first = |w: VertexIx| self.canvas.graph.edges_at(w).first().copied();
+            let better = |b: (VertexIx, DVec2, f64)| off < b.2 || (off == b.2 && first(tip.v) < first(b.0));
+            if along >= self.straightness * far && faces && best.is_none_or(better) {
+                best = Some((tip.v, p, off));
+            }
+        }
+        best.map(|(v, p, _)| (v, p))
+    }
+}
+
+/// Where a street that meets the street `s` at `at` is led to: rather to a vertex than to a new junction next to it.
+pub fn landing_place(canvas: &Canvas, s: &Obstacle, at: DVec2, limits: &Limits) -> (DVec2, Join) {
+    let next_to = |v: VertexIx| if canvas.is_end(v) { limits.min_piece } else { AT_INFLEXION };
+    let vertex = [(s.va, s.a), (s.vb, s.b)]
+        .into_iter()
+        .filter(|(v, p)| p.distance(at) < next_to(*v) && canvas.nodes[*v as usize].port.is_none())
+        .min_by(|x, y| x.1.distance(at).total_cmp(&y.1.distance(at)));
+    vertex.map_or((at, Join::On(s.edge)), |(v, p)| (p, Join::At(v)))
+}
+
+/// Shortens a line to its first `length` metres.
+fn cut_back(line: &mut Vec<DVec2>, length: f64) {
+    let end = point_at(line, length).0;
+    let mut along = 0.0;
+    let mut kept = 1;
+    while kept < line.len() {
+        along += line[kept - 1].distance(line[kept]);
+        if along >= length {
+            break;
+        }
+        kept += 1;
+    }
+    line.truncate(kept);
+    if line[kept - 1] != end {
+        line.push(end);
+    }
+}

@@ -1,0 +1,78 @@
+//! The finished cell: chains of edges become streets with stable names.
+
+use super::canvas::Maker;
+use super::draft::Draft;
+use super::rounding::rounded;
+use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
+use crate::space::QUANTUM;
+use crate::streets::filler::{CellStreets, LocalStreet, MadeBy};
+use glam::DVec2;
+
+/// A position on the quantum grid as words of a name.
+fn words(p: DVec2) -> [u64; 2] {
+    let grid = (p / QUANTUM).round();
+    [grid.x as i64 as u64, grid.y as i64 as u64]
+}
+
+/// The streets of the finished cell. `piece` names what the filler laid, by the number in [`Maker::Piece`].
+pub fn finish(draft: &Draft<'_>, piece: impl Fn(u32) -> MadeBy) -> CellStreets {
+    let g = &draft.canvas.graph;
+    let mut out = CellStreets::default();
+    let cell = draft.brief.id.0;
+    let name = |v: VertexIx| match draft.canvas.nodes[v as usize].port {
+        Some(port) => draft.brief.ports[port].junction,
+        None => {
+            let [x, y] = words(g.at(v));
+            JunctionId::of(&[cell, x, y])
+        }
+    };
+    // A street that comes back to where it began is divided at its middle, so that its ends differ.
+    let mut divided = vec![false; g.vertex_count()];
+    let mut chains = g.chains(|v| draft.canvas.is_end(v));
+    let mut any = false;
+    for chain in &chains {
+        let end = |(e, forward): (EdgeIx, bool), last: bool| {
+            let edge = g.edge(e);
+            if forward == last { edge.b } else { edge.a }
+        };
+        let (Some(&first), Some(&last)) = (chain.first(), chain.last()) else { continue };
+        if end(first, false) == end(last, true) {
+            let vertices = g.chain_vertices(chain);
+            divided[vertices[vertices.len() / 2] as usize] = true;
+            divided[vertices[0] as usize] = true;
+            any = true;
+        }
+    }
+    let is_end = |v: VertexIx| draft.canvas.is_end(v) || divided[v as usize];
+    if any {
+        chains = g.chains(is_end);
+    }
+    for chain in chains {
+        let vertices = g.chain_vertices(&chain);
+        let line: Vec<DVec2> = vertices.iter().map(|v| g.at(*v)).collect();
+        let (from, to) = (name(vertices[0]), name(vertices[vertices.len() - 1]));
+        let class = vertices.iter().find_map(|v| draft.canvas.nodes[*v as usize].port);
+        let class = class.map_or(StreetClass::Local, |port| draft.brief.ports[port].class);
+        let (first, second) = (words(line[0]), words(line[1]));
+        let last = words(line[line.len() - 1]);
+        let id = StreetId::of(&[cell, first[0], first[1], second[0], second[1], last[0], last[1]]);
+        let made_by = match draft.canvas.maker(&chain) {
+            Maker::Growth => MadeBy::Growth,
+            Maker::Repair => MadeBy::Repair,
+            Maker::Piece(number) => piece(number),
+        };
+        let line = rounded(&draft.canvas, draft.rules.local.rounding, &vertices, line);
+        out.streets.push(LocalStreet { street: Street::new(id, class, from, to, line), made_by });
+    }
+    for v in g.vertices() {
+        if g.degree(v) > 0 && is_end(v) && draft.canvas.nodes[v as usize].port.is_none() {
+            out.junctions.push(Junction { id: name(v), at: g.at(v) });
+        }
+    }
+    for (i, port) in draft.brief.ports.iter().enumerate() {
+        if g.degree(i as VertexIx) == 0 {
+            out.unmet.push(port.junction);
+        }
+    }
+    out
+}

@@ -1,0 +1,143 @@
+//! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
+
+use super::canvas::Maker;
+use super::division::divide_blocks;
+use super::draft::Draft;
+use super::floating::connect_floating;
+use super::mend::{Mend, build_best, landing};
+use super::obstacle::NONE;
+use super::proposal::Join;
+use super::rules::Limits;
+use crate::layer::{Cancel, LayerError};
+use crate::network::VertexIx;
+use crate::space::math::rotate;
+
+/// Connections that are checked exactly for one dead end.
+const TRIES: usize = 10;
+
+/// Mends the network. Repair beats deletion: only stumps are removed. What hangs together with one of `anchors`, vertices
+/// of the graph, is connected to a port.
+pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> Result<(), LayerError> {
+    connect_floating(draft, anchors);
+    for round in 0..2 {
+        connect_dead_ends(draft);
+        remove_stumps(draft);
+        cancel.check()?;
+        if divide_blocks(draft) == 0 && round == 0 {
+            break;
+        }
+    }
+    connect_floating(draft, anchors);
+    connect_dead_ends(draft);
+    remove_stumps(draft);
+    lengthen_stubs(draft);
+    Ok(())
+}
+
+/// Dead ends that may be mended with the length of their streets, the shortest first.
+fn dead_ends(draft: &Draft<'_>) -> Vec<(f64, VertexIx, bool)> {
+    let g = &draft.canvas.graph;
+    let mut out: Vec<_> = g
+        .vertices()
+        .filter(|v| draft.canvas.is_dead_end(*v) && draft.canvas.nodes[*v as usize].open)
+        .map(|v| {
+            let (end, length) = draft.canvas.follow(v, g.edges_at(v)[0], |_| {});
+            (length, v, draft.canvas.nodes[end as usize].port.is_some())
+        })
+        .collect();
+    out.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    out
+}
+
+/// Connects the dead ends that the style does not let stay.
+fn connect_dead_ends(draft: &mut Draft<'_>) {
+    let stay = draft.rules.local.dead_ends;
+    for (length, v, _) in dead_ends(draft) {
+        if stay > 0.0 && draft.rng.chance(stay) {
+            // One that is long enough is not asked again; a stump goes.
+            draft.canvas.nodes[v as usize].open &= length < draft.rules.stump;
+        } else if draft.canvas.is_dead_end(v) {
+            connect(draft, v);
+        }
+    }
+}
+
+/// Connects the dead end `v` by a straight street or one with a bend, if any keeps the relaxed rules.
+fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
+    let at = draft.canvas.graph.at(v);
+    let Some(onward) = draft.canvas.onward(v) else { return false };
+    let reach = 1.5 * draft.rules.local.length;
+    let limits = draft.rules.repair;
+    draft.gather(at, reach + limits.gap + 30.0);
+    let mut mends: Vec<Mend> = Vec::new();
+    let mut line = Vec::new();
+    for step in -8i32..=8 {
+        let angle = f64::from(step) * 0.17;
+        let direction = rotate(onward, angle);
+        if let Some((end, last, distance)) = landing(draft, at, direction, reach, v, &mut line) {
+            let welcome = if matches!(last, Join::At(w) if draft.canvas.is_dead_end(w)) { 0.6 } else { 1.0 };
+            let cost = distance * welcome * (1.0 + 0.5 * angle.abs());
+            mends.push(Mend::straight(cost, at, end, Join::At(v), last));
+        }
+    }
+    let ahead = draft.landing().ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
+    for share in [34.0, 52.0, 75.0] {
+        if share > ahead - 18.0 {
+            break;
+        }
+        let bend = at + onward * share;
+        for angle in [1.57, -1.57, 1.1, -1.1] {
+            if let Some((end, last, distance)) = landing(draft, bend, rotate(onward, angle), reach, NONE, &mut line) {
+                let cost = 1.5 * (share + distance);
+                mends.push(Mend { cost, line: [at, bend, end], points: 3, first: Join::At(v), last });
+            }
+        }
+    }
+    build_best(draft, mends, &limits, TRIES)
+}
+
+/// Removes dead ends that are too short to be streets, but for those at ports and those of pinned pieces.
+fn remove_stumps(draft: &mut Draft<'_>) {
+    loop {
+        let stump = dead_ends(draft)
+            .into_iter()
+            .find(|(length, v, at_port)| *length < draft.rules.stump && !at_port && !is_pinned(draft, *v));
+        let Some((_, v, _)) = stump else { break };
+        if draft.canvas.remove_dead_end(v).is_none() {
+            break;
+        }
+    }
+}
+
+/// Whether the street that ends at the dead end `v` is part of a pinned piece.
+fn is_pinned(draft: &Draft<'_>, v: VertexIx) -> bool {
+    let g = &draft.canvas.graph;
+    let mut pinned = false;
+    draft.canvas.follow(v, g.edges_at(v)[0], |e| {
+        let edge = g.edge(e);
+        pinned |= draft.canvas.nodes[edge.a as usize].pinned && draft.canvas.nodes[edge.b as usize].pinned;
+    });
+    pinned
+}
+
+/// Makes cul-de-sacs of port stubs that still lead nowhere.
+fn lengthen_stubs(draft: &mut Draft<'_>) {
+    let local = draft.rules.local;
+    for (length, v, at_port) in dead_ends(draft) {
+        if !at_port || length > 30.0 {
+            continue;
+        }
+        let (at, Some(onward)) = (draft.canvas.graph.at(v), draft.canvas.onward(v)) else { continue };
+        draft.gather(at, local.length + 2.0 * draft.rules.growth.gap);
+        for (share, angle) in
+            [(0.8, 0.0), (0.55, 0.0), (0.35, 0.0), (0.55, 0.4), (0.55, -0.4), (0.35, 0.7), (0.35, -0.7)]
+        {
+            let end = at + rotate(onward, angle) * (share * local.length);
+            draft.trial.proposal.line(&[at, end], Join::At(v), Join::Free(false));
+            let limits = Limits { gap: 22.0_f64.min(draft.rules.growth.gap), ..draft.rules.repair };
+            if draft.build_if_fits(&limits, Maker::Repair) {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Stubs: the straight first metres of every port's street, which are there whatever comes later.
+
+use super::canvas::{Canvas, Node};
+use super::draft::Draft;
+use crate::network::VertexIx;
+use crate::seam::STUB_LENGTH;
+
+/// Puts a stub at every port, so that each is met. Its end is the vertex [`stub_end`].
+pub fn lay_stubs(draft: &mut Draft<'_>) {
+    for (i, port) in draft.brief.ports.iter().enumerate() {
+        let node = Node { open: true, wanted_degree: 2, ..Node::default() };
+        let end = draft.canvas.add_vertex(port.at + port.inward * STUB_LENGTH, node);
+        draft.canvas.add_stub(i as VertexIx, end);
+    }
+}
+
+/// The vertex at the end of a port's stub in a cell of so many ports.
+pub fn stub_end(ports: usize, port: usize) -> VertexIx {
+    (ports + port) as VertexIx
+}
+
+/// Whether nothing but its stub is built on a port of a cell of so many ports.
+pub fn has_stub(canvas: &Canvas, ports: usize, port: usize) -> bool {
+    let end = stub_end(ports, port);
+    canvas.graph.degree(end) == 1 && canvas.graph.edge_between(port as VertexIx, end).is_some()
+}
+
+/// Stubs that were taken away to make room for something that begins at their ports.
+#[derive(Default)]
+pub struct RemovedStubs(Vec<(VertexIx, VertexIx)>);
+
+impl RemovedStubs {
+    /// Takes away the first street at a port, if there is one.
+    pub fn remove(&mut self, canvas: &mut Canvas, port: VertexIx) {
+        let stub = canvas.graph.edges_at(port).first().copied();
+        let removed = stub.and_then(|s| canvas.graph.remove_edge(s));
+        self.0.extend(removed.map(|edge| (edge.a, edge.b)));
+    }
+
+    /// Puts the stubs back, for what was to begin there does not fit.
+    pub fn restore(self, canvas: &mut Canvas) {
+        for (port, end) in self.0 {
+            canvas.add_stub(port, end);
+        }
+    }
+}

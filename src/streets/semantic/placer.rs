@@ -1,0 +1,186 @@
+//! Laying patches: what may be laid, how often it was, and what becomes of a placement's loose ends.
+
+use super::bend::Bending;
+use super::placement::Placement;
+use crate::network::VertexIx;
+use crate::patch::{PatchDatabase, STRETCH, keeps_rules};
+use crate::streets::cell::{Draft, Join, Maker, NONE, Proposal, joint_angle_fits};
+
+/// Lays patches in one cell.
+pub struct Placer<'a> {
+    /// The patches.
+    pub patches: &'a PatchDatabase,
+    /// The weight that each has in the cell before it is used.
+    weights: &'a [f64],
+    /// How often each was used.
+    used: Vec<u32>,
+    /// The weight that each has in choices after these uses.
+    weights_left: Vec<f64>,
+    /// Greatest radius of a patch, in metres.
+    pub largest: f64,
+    /// Greatest distance that a patch can bridge, in metres.
+    pub farthest: f64,
+    /// How far patches are bent.
+    pub bending: Bending,
+    /// Buffer: the point of the proposal that each vertex of a patch became.
+    slots: Vec<u32>,
+}
+
+impl<'a> Placer<'a> {
+    /// None of the patches is used yet; `weights` has the weight of each in the cell.
+    pub fn new(draft: &Draft<'_>, patches: &'a PatchDatabase, weights: &'a [f64]) -> Self {
+        let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
+        let mut placer = Self {
+            patches,
+            weights,
+            used: vec![0; patches.patches.len()],
+            weights_left: Vec::new(),
+            largest: patches.patches.iter().map(|p| p.radius).fold(0.0, f64::max),
+            farthest: longest.fold(0.0, f64::max) * (1.0 + STRETCH),
+            bending: Bending::new(draft.brief.style.main.field, draft.rules.most_turn),
+            slots: Vec::new(),
+        };
+        placer.weights_left = (0..patches.patches.len()).map(|p| placer.weight_after(p, 0)).collect();
+        placer
+    }
+
+    /// Weight of a patch in choices.
+    pub fn weight(&self, patch: usize) -> f64 {
+        self.weights_left[patch]
+    }
+
+    /// Weight of a patch in choices after `count` uses: less with every use, 0 once it was used as often as it may be or if
+    /// it breaks the rules inside itself.
+    fn weight_after(&self, patch: usize, count: u32) -> f64 {
+        let most = self.patches.patches[patch].at_most;
+        if most.is_some_and(|most| count >= most) || !self.patches.facts(patch).shape.sound {
+            0.0
+        } else {
+            self.weights[patch] / (1.0 + 0.5 * f64::from(count))
+        }
+    }
+
+    /// How often patches were used, all together.
+    #[cfg(test)]
+    pub fn uses(&self) -> u32 {
+        self.used.iter().sum()
+    }
+
+    /// Takes into account that a patch was used once more.
+    pub fn count_use(&mut self, patch: usize) {
+        self.used[patch] += 1;
+        self.weights_left[patch] = self.weight_after(patch, self.used[patch]);
+    }
+
+    /// Counts the patch that was just built and makes its connectable ends candidates.
+    pub fn after_patch(&mut self, draft: &mut Draft<'_>, patch: usize) {
+        self.count_use(patch);
+        for (i, v) in draft.trial.built.iter().enumerate() {
+            if draft.trial.proposal.joins[i] == Join::Free(true) {
+                draft.canvas.nodes[*v as usize].wanted_degree = 2;
+                draft.candidates.push_back(*v);
+            }
+        }
+        draft.cross_over();
+    }
+
+    /// Builds the placement if it fits.
+    pub fn build_patch(&mut self, draft: &mut Draft<'_>, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
+        self.propose_patch(draft, placement, anchors) && build_narrowed(draft, placement.patch)
+    }
+
+    /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
+    /// vertices of the graph.
+    pub fn propose_patch(
+        &mut self,
+        draft: &mut Draft<'_>,
+        placement: &Placement,
+        anchors: &[(usize, VertexIx)],
+    ) -> bool {
+        self.propose(draft, placement, anchors, true)
+    }
+
+    /// The same; with `check`, false as well as soon as an arm meets a street at an angle that may not be.
+    pub fn propose(
+        &mut self,
+        draft: &mut Draft<'_>,
+        placement: &Placement,
+        anchors: &[(usize, VertexIx)],
+        check: bool,
+    ) -> bool {
+        let anchor = |v: usize| anchors.iter().find(|a| a.0 == v).map(|a| a.1);
+        let patch = &self.patches.patches[placement.patch];
+        let shape = &self.patches.facts(placement.patch).shape;
+        let mut p = std::mem::take(&mut draft.trial.proposal);
+        p.clear();
+        let mut slots = std::mem::take(&mut self.slots);
+        slots.clear();
+        slots.resize(patch.vertices.len(), NONE);
+        let mut slot = |p: &mut Proposal, v: usize| {
+            if slots[v] == NONE {
+                slots[v] = p.points.len() as u32;
+                let (at, join) = match anchor(v) {
+                    Some(target) => (draft.canvas.graph.at(target), Join::At(target)),
+                    None => (placement.map(patch.vertices[v]), Join::Free(false)),
+                };
+                p.push(at, join);
+            }
+            slots[v] as usize
+        };
+        let mut line = std::mem::take(&mut draft.trial.line);
+        let settled = |c: usize| anchor(c).is_none();
+        for e in &shape.core {
+            let edge = (slot(&mut p, e.0), slot(&mut p, e.1));
+            p.edges.push(edge);
+        }
+        let mut fits = true;
+        for arm in &shape.arms {
+            let tip = arm[arm.len() - 1];
+            // A street between two ends is an arm of both.
+            let inner = arm[0];
+            if shape.is_end[inner] && (inner > tip && settled(inner) || inner < tip && !settled(tip)) {
+                continue;
+            }
+            if !settled(tip) {
+                for w in arm.windows(2) {
+                    let edge = (slot(&mut p, w[0]), slot(&mut p, w[1]));
+                    p.edges.push(edge);
+                }
+                continue;
+            }
+            line.clear();
+            line.extend(arm.iter().map(|v| placement.map(patch.vertices[*v])));
+            let leaving = anchor(inner).unwrap_or(NONE);
+            let Some(join) = draft.landing().settle(&mut line, leaving, &draft.rules.growth) else {
+                fits = false;
+                break;
+            };
+            let mut before = slot(&mut p, inner);
+            let mut last = [before; 2];
+            for (i, at) in line.iter().enumerate().skip(1) {
+                p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
+                p.edges.push((before, p.points.len() - 1));
+                last = [before, p.points.len() - 1];
+                before = last[1];
+            }
+            let (from, end) = (p.points[last[0]], p.points[last[1]]);
+            fits = !check || joint_angle_fits(&draft.canvas, join, end, from - end, &draft.rules.growth);
+            if !fits {
+                break;
+            }
+        }
+        (draft.trial.proposal, self.slots, draft.trial.line) = (p, slots, line);
+        fits && draft.trial.proposal.ends_keep_apart()
+            && (!placement.is_bent() || keeps_rules(&draft.trial.proposal.points, &draft.trial.proposal.edges, 1.0))
+    }
+}
+
+/// Builds the proposal, which is the patch of this index, if it fits; no more is looked at than what lies around it.
+pub fn build_narrowed(draft: &mut Draft<'_>, patch: usize) -> bool {
+    draft.trial.build_narrowed(&mut draft.canvas, &draft.rules.growth, Maker::Piece(patch as u32))
+}
+
+/// Builds the proposal, which is the patch of this index, if it fits among what was gathered.
+pub fn build(draft: &mut Draft<'_>, patch: usize) -> bool {
+    draft.trial.build_if_fits(&mut draft.canvas, &draft.rules.growth, Maker::Piece(patch as u32))
+}
