@@ -9,7 +9,7 @@ use bevy_sprawl::network::{JunctionId, StreetClass};
 use bevy_sprawl::patch::{Patch, PatchDatabase, PatchSet, tag};
 use bevy_sprawl::seam::CellPort;
 use bevy_sprawl::space::{Seed, quantize};
-use bevy_sprawl::streets::{CellBrief, CellFiller, CellStreets, MadeBy, SemanticPatches};
+use bevy_sprawl::streets::{CellBrief, CellFiller, CellStreets, PatchFiller, StreetOrigin};
 use bevy_sprawl::style::{FieldKind, LocalRules, Style};
 use bevy_sprawl::town::{CellId, DirectionField};
 use glam::DVec2;
@@ -77,8 +77,8 @@ fn style() -> Style {
     style
 }
 
-fn fill(cells: &[Cell], style: &Style, patches: &PatchDatabase) -> Vec<CellStreets> {
-    let weights = patches.weights();
+fn fill(cells: &[Cell], style: &Style, patches: &Arc<PatchDatabase>) -> Vec<CellStreets> {
+    let filler = PatchFiller::new(patches.clone(), patches.weights());
     let field = DirectionField::uniform(0.0);
     let half = [Some(StreetClass::Main.half_width()); 4];
     let one = |cell: &Cell| {
@@ -89,18 +89,16 @@ fn fill(cells: &[Cell], style: &Style, patches: &PatchDatabase) -> Vec<CellStree
             street_half_width: &half,
             ports: &cell.ports,
             field: &field,
-            style,
-            patches,
-            weights: &weights,
-            pinned: &[],
+            field_kind: style.main.field,
+            rules: &style.local,
         };
-        SemanticPatches.fill(&brief, &Cancel::new()).expect("nobody cancels")
+        filler.fill(&brief, &Cancel::new()).expect("nobody cancels")
     };
     cells.iter().map(one).collect()
 }
 
 /// What it came to: the best time in milliseconds, and the streets.
-fn timed(cells: &[Cell], style: &Style, patches: &PatchDatabase, rounds: usize) -> (f64, Vec<CellStreets>) {
+fn timed(cells: &[Cell], style: &Style, patches: &Arc<PatchDatabase>, rounds: usize) -> (f64, Vec<CellStreets>) {
     let mut best = f64::INFINITY;
     let mut out = Vec::new();
     for _ in 0..rounds {
@@ -116,7 +114,7 @@ struct Figures {
     /// Patches whose streets are there, cell by cell.
     used: usize,
     /// Different ones among them, over all cells.
-    unique: BTreeSet<usize>,
+    unique: BTreeSet<Arc<str>>,
     /// Share of the length of local streets that patches made.
     share: f64,
     km: f64,
@@ -130,9 +128,9 @@ fn figures(out: &[CellStreets]) -> Figures {
         for s in &cell.streets {
             let length = s.street.length() / 1000.0;
             f.km += length;
-            if let MadeBy::Patch(p) = s.made_by {
+            if let StreetOrigin::Piece(piece) = &s.made_by.origin {
                 f.share += length;
-                here.insert(p as usize);
+                here.insert(piece.clone());
             }
         }
         f.used += here.len();
@@ -151,7 +149,10 @@ fn bundled() -> Vec<Arc<Patch>> {
         let text = std::fs::read_to_string(file).expect("a bundled set");
         PatchSet::from_ron(&file.to_string_lossy(), &text).expect("a bundled set is sound")
     };
-    files.iter().map(read).flat_map(|s| s.patches).map(Arc::new).collect()
+    // Patches of several sets may have the same name.
+    let with_set = |set: &str, patch: Patch| Arc::new(Patch { name: format!("{set}/{}", patch.name), ..patch });
+    let of = |set: PatchSet| set.patches.into_iter().map(move |patch| with_set(&set.name, patch));
+    files.iter().map(read).flat_map(of).collect()
 }
 
 fn main() {
@@ -162,11 +163,12 @@ fn main() {
     println!("without          available  unique  used  share    km      ms");
     for left_out in [None, Some(tag::CURVED), Some(tag::STRAIGHT), Some(tag::LOOP), Some(tag::CUL_DE_SAC)] {
         let usable = |p: &&Arc<Patch>| left_out.is_none_or(|t| !p.tags.contains(t));
-        let patches = PatchDatabase::of(all.iter().filter(usable).cloned().collect());
+        let patches = Arc::new(PatchDatabase::of(all.iter().filter(usable).cloned().collect()));
         let (ms, out) = timed(&town, &style, &patches, 7);
         let f = figures(&out);
         for p in &f.unique {
-            assert!(left_out.is_none_or(|t| !patches.patches[*p].tags.contains(t)), "a tag that was left out");
+            let used = patches.patches.iter().find(|patch| *patch.name == **p).expect("a patch of the database");
+            assert!(left_out.is_none_or(|t| !used.tags.contains(t)), "a tag that was left out");
         }
         let name = left_out.unwrap_or("nothing");
         println!(
@@ -178,7 +180,7 @@ fn main() {
             f.km
         );
     }
-    let patches = PatchDatabase::of(all.clone());
+    let patches = Arc::new(PatchDatabase::of(all.clone()));
     println!("\nkm2        ms  ms/km2  (all {} patches)", all.len());
     for n in [2, 4, 8, 16] {
         let km2 = (n * n) as f64 * EDGE * EDGE / 1e6;
@@ -190,7 +192,7 @@ fn main() {
     for count in [all.len() / 8, all.len() / 4, all.len() / 2, 98.min(all.len()), all.len()] {
         // Every so-manieth, so that each set is drawn from alike.
         let some = (0..count).map(|i| all[i * all.len() / count].clone()).collect();
-        let (ms, _) = timed(&town, &style, &PatchDatabase::of(some), 5);
+        let (ms, _) = timed(&town, &style, &Arc::new(PatchDatabase::of(some)), 5);
         println!("{count:>7} {ms:>5.1}");
     }
     beside_symbios(&all);
@@ -199,7 +201,7 @@ fn main() {
 /// The streets of one square beside those of one tile of symbios-tensor, which makes blocks and lots too; its spacing makes
 /// about as many kilometres. From 16 km2 on a tile takes minutes.
 fn beside_symbios(all: &[Arc<Patch>]) {
-    let (style, patches) = (style(), PatchDatabase::of(all.to_vec()));
+    let (style, patches) = (style(), Arc::new(PatchDatabase::of(all.to_vec())));
     println!("\nkm2   ours ms    km  symbios-tensor ms    km  lots");
     for n in [2, 4] {
         let edge = n as f64 * EDGE;

@@ -6,7 +6,7 @@ use crate::mesh::{self, Detail, MeshBuffers};
 use crate::parcel::BlockUse;
 use crate::space::ChunkCoord;
 use crate::stack::PlacedStreet;
-use crate::streets::MadeBy;
+use crate::streets::StreetOrigin;
 use crate::world::World;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -151,11 +151,11 @@ impl Hash {
 
     fn street(&mut self, placed: &PlacedStreet) {
         let s = &placed.street;
-        let made_by = match placed.made_by {
+        let made_by = match placed.made_by.as_ref().map(|made_by| &made_by.origin) {
             None => 0,
-            Some(MadeBy::Growth) => 1,
-            Some(MadeBy::Repair) => 2,
-            Some(MadeBy::Patch(_)) => 3,
+            Some(StreetOrigin::Growth) => 1,
+            Some(StreetOrigin::Repair) => 2,
+            Some(StreetOrigin::Piece(_)) => 3,
         };
         let flags = u64::from(s.bridge) | u64::from(s.tunnel) << 1;
         [s.id.0, s.from.0, s.to.0, s.level as u64, flags, made_by].into_iter().for_each(|w| self.word(w));

@@ -97,6 +97,8 @@ impl PatchFacts {
 pub struct PatchDatabase {
     /// The patches, by set and then by place in the file.
     pub patches: Vec<Arc<Patch>>,
+    /// By patch: its set's name and its own.
+    names: Vec<Arc<str>>,
     /// By patch.
     facts: Vec<PatchFacts>,
     patterns: Vec<PatternEntry>,
@@ -116,21 +118,20 @@ impl PatchDatabase {
             (allow.is_empty() || allow.iter().any(|t| p.tags.contains(t)))
                 && !exclude.iter().any(|t| p.tags.contains(t))
         };
-        let (mut patches, mut patterns) = (Vec::new(), Vec::new());
+        let (mut patches, mut names, mut patterns) = (Vec::new(), Vec::new(), Vec::new());
         for set in sets {
             let first = patches.len();
             patches.extend(set.patches.iter().filter(|p| usable(p)).cloned().map(Arc::new));
+            names.extend(patches[first..].iter().map(|p| Arc::from(format!("{}/{}", set.name, p.name))));
             for pattern in &set.patterns {
                 let element = patches[first..].iter().position(|p| p.name == pattern.element);
                 patterns.extend(element.map(|e| PatternEntry { pattern: pattern.clone(), element: first + e }));
             }
         }
-        let mut database = Self::of(patches);
-        database.patterns = patterns;
-        database
+        Self { names, patterns, ..Self::of(patches) }
     }
 
-    /// The given patches, without patterns.
+    /// The given patches, of no set and without patterns.
     pub fn of(patches: Vec<Arc<Patch>>) -> Self {
         let mut passages = vec![Vec::new(); DRAWERS * DRAWERS];
         for passage in patches.iter().enumerate().flat_map(|(i, p)| Passage::of(p, i)) {
@@ -147,7 +148,8 @@ impl PatchDatabase {
             }
         }
         let facts = patches.iter().map(|p| PatchFacts::of(p)).collect();
-        Self { patches, facts, patterns: Vec::new(), passages, by_radius, by_tag }
+        let names = patches.iter().map(|p| Arc::from(&*p.name)).collect();
+        Self { patches, names, facts, patterns: Vec::new(), passages, by_radius, by_tag }
     }
 
     /// All passages between vertices `distance` metres apart, give or take `tolerance`, that leave and arrive at `headings`
@@ -186,6 +188,11 @@ impl PatchDatabase {
     /// What is known of a patch. O(1).
     pub fn facts(&self, patch: usize) -> &PatchFacts {
         &self.facts[patch]
+    }
+
+    /// The names of the patches, in order: `set/patch`, or `patch` alone where it is of no set.
+    pub fn names(&self) -> &[Arc<str>] {
+        &self.names
     }
 
     /// The weights that the files give the patches, in order.

@@ -1,6 +1,7 @@
 //! The layers below the chunk put together: towns, seams, streets and parcels, each made once and cached.
 
-use super::kits::{CellStyle, Kits, Spread, StyleKit};
+use super::brief::CellEdges;
+use super::styles::{StyledTown, Styles};
 use super::town::{Planned, SeamedTown};
 use crate::edits::PatchEdit;
 use crate::layer::{Cancel, LayerCache, LayerError};
@@ -10,10 +11,10 @@ use crate::patch::PatchSet;
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
 use crate::seam::{self, Across};
 use crate::space::{Bounds, Seed};
-use crate::streets::{CellBrief, CellFiller, CellStreets, SemanticPatches};
-use crate::style::{Filler, ParcelRules, Style};
+use crate::streets::{CellStreets, Fillers};
+use crate::style::{ParcelRules, Style};
 use crate::terrain::Terrain;
-use crate::town::{self, CellUse, MainCell, Town};
+use crate::town::{self, CellUse, Town};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -23,11 +24,12 @@ pub struct Stack {
     terrain: Arc<dyn Terrain>,
     pub(super) settlements: Arc<Settlements>,
     roads: Roads,
-    pub(super) kits: Kits,
+    pub(super) styles: Styles,
+    pub(super) fillers: Fillers,
     pub(super) pins: Vec<PatchEdit>,
     plans: LayerCache<SettlementId, Planned>,
     towns: LayerCache<SettlementId, SeamedTown>,
-    streets: LayerCache<(SettlementId, usize), CellStreets>,
+    cells: LayerCache<(SettlementId, usize), CellStreets>,
     parcels: LayerCache<(SettlementId, usize), CellParcels>,
 }
 
@@ -41,9 +43,9 @@ pub struct StackParts {
     pub settlements: Arc<Settlements>,
     /// The roads between them.
     pub roads: Roads,
-    /// Every style that a settlement or another style may name, with its patches.
-    pub kits: BTreeMap<String, StyleKit>,
-    /// Every patch set.
+    /// Every style that a settlement or another style may name, by name.
+    pub styles: BTreeMap<String, Arc<Style>>,
+    /// Every patch set, by name.
     pub sets: BTreeMap<String, Arc<PatchSet>>,
     /// The patches that the user pinned.
     pub pins: Vec<PatchEdit>,
@@ -54,18 +56,19 @@ pub struct StackParts {
 impl Stack {
     /// The layers of a world.
     pub fn new(parts: StackParts) -> Self {
-        let StackParts { seed, terrain, settlements, roads, kits, sets, pins, bytes } = parts;
+        let StackParts { seed, terrain, settlements, roads, styles, sets, pins, bytes } = parts;
         let share = bytes / 4;
         Self {
             seed,
             terrain,
             settlements,
             roads,
-            kits: Kits::new(kits, sets),
+            fillers: Fillers::new(&styles, &sets),
+            styles: Styles(styles),
             pins,
             plans: LayerCache::new(share / 4),
             towns: LayerCache::new(share / 4 * 3),
-            streets: LayerCache::new(share),
+            cells: LayerCache::new(share),
             parcels: LayerCache::new(2 * share),
         }
     }
@@ -87,12 +90,12 @@ impl Stack {
 
     /// Bytes held by the caches of towns, streets and parcels.
     pub fn bytes(&self) -> u64 {
-        self.plans.bytes() + self.towns.bytes() + self.streets.bytes() + self.parcels.bytes()
+        self.plans.bytes() + self.towns.bytes() + self.cells.bytes() + self.parcels.bytes()
     }
 
     /// Forgets the streets and parcels of every main cell.
     pub fn forget_cells(&self) {
-        self.streets.clear();
+        self.cells.clear();
         self.parcels.clear();
     }
 
@@ -105,21 +108,19 @@ impl Stack {
         self.plans.get(&settlement.id, || {
             let outline = self.settlements.outline(settlement)?;
             let gates = self.roads.gates(settlement, cancel)?;
-            let style = &self.kits.of(&settlement.style)?.style;
+            let style = self.styles.of(&settlement.style)?;
             let town = town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)?;
-            let own = self.kits.spread(settlement, &outline)?;
-            let mut across: Vec<(Spread, _)> = Vec::new();
+            let own = self.styles.town(settlement, &outline)?;
+            let mut across: Vec<(StyledTown, _)> = Vec::new();
             for other in self.settlements.touching(settlement)? {
                 let there = self.settlements.outline(&other)?;
                 for shared in outline.shared.iter().filter(|s| s.border.sides.contains(&other.id)) {
-                    across.push((self.kits.spread(&other, &there)?, shared.border.clone()));
+                    across.push((self.styles.town(&other, &there)?, shared.border.clone()));
                 }
             }
             let mut cells = Vec::with_capacity(town.cells.len());
             for cell in &town.cells {
-                let blend = own.blend(cell.anchor, &across);
-                let style = self.kits.mix(self.seed, cell.id, &blend, &[])?;
-                cells.push((blend, style));
+                cells.push(self.styles.mix(self.seed, cell.id, (&own, cell.anchor), &across)?);
             }
             Ok(Planned { town: Arc::new(town), cells })
         })
@@ -134,7 +135,7 @@ impl Stack {
                 touched.push(self.planned(&other, cancel)?);
             }
             fn styles(plan: &Planned) -> Vec<&Style> {
-                plan.cells.iter().map(|(_, cell)| &*cell.style).collect()
+                plan.cells.iter().map(|cell| &*cell.style).collect()
             }
             let theirs: Vec<Vec<&Style>> = touched.iter().map(|plan| styles(plan)).collect();
             let across: Vec<Across> =
@@ -142,47 +143,18 @@ impl Stack {
             let seams = seam::seams(self.seed, &plan.town, &styles(&plan), &across);
             let mains = seam::main_network(&plan.town, &seams);
             let shared = seam::shared_streets(&plan.town, &seams);
-            let cells = plan.cells.iter().map(|(_, cell)| cell.clone()).collect();
-            let mut town = SeamedTown { town: plan.town.clone(), cells, seams, mains, shared };
-            self.pin(&mut town, &plan)?;
-            Ok(town)
-        })
-    }
-
-    /// Gives `use_it` the brief of a main cell.
-    pub(super) fn brief<T>(
-        &self,
-        town: &SeamedTown,
-        cell: usize,
-        with: &CellStyle,
-        use_it: impl FnOnce(&CellBrief) -> T,
-    ) -> T {
-        let (plan, of) = (&town.town, &town.town.cells[cell]);
-        use_it(&CellBrief {
-            seed: self.seed,
-            id: of.id,
-            border: &of.border,
-            street_half_width: &border_widths(plan, of),
-            ports: &seam::cell_ports(plan, &town.seams, cell),
-            field: &plan.field,
-            style: &with.style,
-            patches: &with.patches,
-            weights: &with.weights,
-            pinned: &with.pinned,
+            let fillers = self.prepare(&plan, &seams)?;
+            Ok(SeamedTown { town: plan.town.clone(), styles: plan.cells.clone(), fillers, seams, mains, shared })
         })
     }
 
     /// Local streets of a main cell.
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
-        self.streets.get(&(plan.settlement.id, cell), || {
-            if plan.cells[cell].used_as != CellUse::Built {
-                return Ok(CellStreets::default());
-            }
-            let with = &town.cells[cell];
-            self.brief(town, cell, with, |brief| match with.style.filler {
-                Filler::SemanticPatches => SemanticPatches.fill(brief, cancel),
-            })
+        self.cells.get(&(plan.settlement.id, cell), || {
+            let Some(filler) = &town.fillers[cell] else { return Ok(CellStreets::default()) };
+            let edges = CellEdges::of(plan, &town.seams, cell);
+            filler.filler.fill(&edges.brief(self.seed, plan, cell, &town.styles[cell].style), cancel)
         })
     }
 
@@ -199,7 +171,7 @@ impl Stack {
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
             let across = self.streets_across(plan, near, cancel)?;
             let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
-            let rules = &town.cells[cell].style.parcels;
+            let rules = &town.styles[cell].style.parcels;
             let park = ParcelRules { parks: 1.0, ..rules.clone() };
             let brief = ParcelBrief {
                 seed: self.seed,
@@ -237,16 +209,4 @@ impl Stack {
         }
         Ok(out)
     }
-}
-
-/// Half the width of the street along each border edge of a cell.
-fn border_widths(town: &Town, cell: &MainCell) -> Vec<Option<f64>> {
-    let mut widths = vec![None; cell.border.len()];
-    for side in &cell.sides {
-        let width = side.main.map(|m| town.mains[m].street.class.half_width());
-        for edge in side.first..side.first + side.count {
-            widths[edge % cell.border.len()] = width;
-        }
-    }
-    widths
 }

@@ -8,18 +8,18 @@
 //! A chunk owns the main cells whose anchor lies in its square (with their blocks, lots and footprints), the streets whose
 //! midpoint lies in it, and the junctions that lie in it. So a street is made once, by one owner, and nothing is cut.
 
-mod counts;
-mod kits;
+mod brief;
 mod layers;
 mod overlap;
 mod owner;
 mod pins;
 mod placed;
+mod styles;
 mod town;
 
-pub use kits::{BORDER_BLEND, CellStyle, StyleKit};
 pub use layers::{Stack, StackParts};
 pub use overlap::Overlap;
 pub use owner::{owner_of, street_owner};
 pub use placed::{AtOrigin, PlacedStreet};
-pub use town::SeamedTown;
+pub use styles::{BORDER_BLEND, CellStyle};
+pub use town::{PreparedCell, SeamedTown};

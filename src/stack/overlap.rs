@@ -69,7 +69,7 @@ impl Stack {
                 }
                 cancel.check()?;
                 for local in &self.streets(&town, i, cancel)?.streets {
-                    let placed = PlacedStreet { street: local.street.clone(), made_by: Some(local.made_by) };
+                    let placed = PlacedStreet { street: local.street.clone(), made_by: Some(local.made_by.clone()) };
                     put_street(&mut out, origin, placed);
                 }
                 out.cells.push((town.clone(), i));

@@ -1,56 +1,59 @@
-//! Patches that the user pinned in towns, and those that styles count.
+//! What fills the main cells of a town, and the pieces that the user pinned in them.
 
-use super::counts::share_out;
+use super::brief::CellEdges;
 use super::layers::Stack;
-use super::town::{Planned, SeamedTown};
+use super::styles::CellStyle;
+use super::town::{Planned, PreparedCell};
 use crate::edits::{EditList, RejectedEdit};
 use crate::layer::{Cancel, LayerError};
-use crate::space::{point_in_polygon, quantize};
-use crate::streets::{self, PinnedPatch};
+use crate::seam::Seam;
+use crate::space::point_in_polygon;
+use crate::streets::{CellToFill, PinnedPiece};
 use crate::town::{CellUse, MainCell, Town};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
 impl Stack {
-    /// Pins the patches that the user wants in a town, and those that its styles count.
-    pub(super) fn pin(&self, town: &mut SeamedTown, plan: &Planned) -> Result<(), LayerError> {
+    /// Prepares what fills the main cells of a town, with what the user pinned in them.
+    pub(super) fn prepare(&self, plan: &Planned, seams: &[Seam]) -> Result<Vec<Option<PreparedCell>>, LayerError> {
+        let town = &*plan.town;
         let mut wishes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (index, edit) in self.pins.iter().enumerate() {
-            if let Some(cell) = cell_at(&town.town, edit.at) {
+            if let Some(cell) = cell_at(town, edit.at) {
                 wishes.entry(cell).or_default().push(index);
             }
         }
-        for (cell, edits) in wishes {
-            let blend = &plan.cells[cell].0;
-            let set = |edit: &usize| self.kits.set_with(blend, &self.pins[*edit].patch).map(|s| s.name.clone());
-            let mut also: Vec<String> = edits.iter().filter_map(set).collect();
-            also.sort();
-            also.dedup();
-            let mut mixed = self.kits.mix(self.seed, town.town.cells[cell].id, blend, &also)?;
-            for edit in edits {
-                let wish = &self.pins[edit];
-                let known = mixed.patches.patches.iter().position(|p| p.name == wish.patch);
-                mixed.pinned.extend(known.map(|patch| PinnedPatch {
-                    patch,
-                    at: quantize(town.town.origin.to_local(wish.at)),
-                    turned: wish.heading_deg.to_radians(),
-                    mirrored: wish.mirrored,
-                }));
-                mixed.edits.extend(known.map(|_| edit));
+        let built: Vec<usize> = (0..town.cells.len()).filter(|i| town.cells[*i].used_as == CellUse::Built).collect();
+        let edges: Vec<CellEdges> = built.iter().map(|cell| CellEdges::of(town, seams, *cell)).collect();
+        let pinned = |index: &usize| {
+            let edit = &self.pins[*index];
+            PinnedPiece {
+                piece: edit.patch.clone(),
+                at: town.origin.to_local(edit.at),
+                turned: edit.heading_deg.to_radians(),
+                mirrored: edit.mirrored,
             }
-            town.cells[cell] = mixed;
+        };
+        let mut cells = Vec::with_capacity(built.len());
+        for (&cell, edges) in built.iter().zip(&edges) {
+            let CellStyle { style, parts } = &plan.cells[cell];
+            cells.push(CellToFill {
+                brief: edges.brief(self.seed, town, cell, style),
+                style,
+                styles: parts,
+                pinned: wishes.get(&cell).into_iter().flatten().map(pinned).collect(),
+            });
         }
-        let own = &*self.kits.of(&town.town.settlement.style)?.style;
+        let own = &**self.styles.of(&town.settlement.style)?;
         let mut styles = vec![own];
         if let Some(fringe) = &own.fringe {
-            styles.push(&self.kits.of(&fringe.style)?.style);
+            styles.push(self.styles.of(&fringe.style)?);
         }
-        let mut cells = std::mem::take(&mut town.cells);
-        share_out(&town.town, &styles, &mut cells, |cell, with, patch| {
-            self.brief(town, cell, with, |brief| streets::find_place(brief, patch))
-        });
-        town.cells = cells;
-        Ok(())
+        let mut out = vec![None; town.cells.len()];
+        for (cell, filler) in built.iter().zip(self.fillers.prepare(&styles, cells)?) {
+            out[*cell] = Some(PreparedCell { filler, edits: wishes.remove(cell).unwrap_or_default() });
+        }
+        Ok(out)
     }
 
     /// The patches pinned by edits that cannot be, as `rejected` tells it, by their place in the list.
@@ -58,15 +61,16 @@ impl Stack {
         let mut out = Vec::new();
         for (index, edit) in self.pins.iter().enumerate() {
             let at = format!("{},{}", edit.at.x, edit.at.y);
-            let reason = if !self.kits.has_patch(&edit.patch) {
+            let reason = if !self.fillers.has_piece(&edit.patch) {
                 Some(format!("patch `{}` is in none of the patch sets", edit.patch))
             } else if let Some(settlement) = self.settlements.at(edit.at)? {
                 let town = self.town(&settlement, cancel)?;
                 match cell_at(&town.town, edit.at) {
                     Some(cell) => {
-                        let unfit = &self.streets(&town, cell, cancel)?.unfit;
-                        let own = town.cells[cell].edits.iter().position(|e| *e == index);
-                        own.is_none_or(|i| unfit.contains(&i)).then(|| {
+                        let left_out = &self.streets(&town, cell, cancel)?.left_out;
+                        let edits = town.fillers[cell].as_ref().map_or(&[][..], |prepared| &prepared.edits);
+                        let place = edits.iter().position(|e| *e == index);
+                        place.is_none_or(|i| left_out.contains(&i)).then(|| {
                             format!("does not fit at {at} among main streets, their ports and patches before it")
                         })
                     }

@@ -17,7 +17,7 @@ pub struct PlacedStreet {
 impl PlacedStreet {
     /// The same street with every point moved by `offset`.
     pub fn moved(&self, offset: DVec2) -> Self {
-        Self { street: self.street.moved(offset), made_by: self.made_by }
+        Self { street: self.street.moved(offset), made_by: self.made_by.clone() }
     }
 }
 

@@ -1,12 +1,12 @@
 //! A town with its seams, and how much memory what a stack makes takes.
 
-use super::kits::{Blend, CellStyle};
+use super::styles::CellStyle;
 use crate::layer::Weigh;
 use crate::network::{Junction, JunctionId, Network, StreetId};
 use crate::parcel::CellParcels;
 use crate::seam::{self, Seam};
 use crate::space::Origin;
-use crate::streets::{CellStreets, PinnedPatch};
+use crate::streets::{CellFiller, CellStreets};
 use crate::town::Town;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -17,8 +17,10 @@ use std::sync::Arc;
 pub struct SeamedTown {
     /// Main streets and main cells.
     pub town: Arc<Town>,
-    /// What each main cell is filled with.
-    pub cells: Vec<CellStyle>,
+    /// The style of each main cell.
+    pub styles: Vec<CellStyle>,
+    /// What fills each main cell; `None` for cells without local streets.
+    pub fillers: Vec<Option<PreparedCell>>,
     /// Seams, one for each main street.
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
@@ -27,11 +29,20 @@ pub struct SeamedTown {
     pub shared: BTreeMap<StreetId, Origin>,
 }
 
+/// What fills a main cell.
+#[derive(Clone, Debug)]
+pub struct PreparedCell {
+    /// The filler, prepared for the cell.
+    pub filler: Arc<dyn CellFiller>,
+    /// The edits that pin something in the cell, as indices into the list of edits.
+    pub edits: Vec<usize>,
+}
+
 /// A town's plan with the styles of its main cells.
 pub(super) struct Planned {
     pub town: Arc<Town>,
-    /// For each main cell the blend of styles, and the style that it gives.
-    pub cells: Vec<(Blend, CellStyle)>,
+    /// The style of each main cell.
+    pub cells: Vec<CellStyle>,
 }
 
 impl Weigh for Town {
@@ -45,7 +56,7 @@ impl Weigh for Town {
 
 impl Weigh for Planned {
     fn bytes(&self) -> usize {
-        let cells = self.cells.iter().map(|(_, cell)| 200 + weigh_style(cell));
+        let cells = self.cells.iter().map(|cell| 200 + weigh_style(cell));
         self.town.bytes() + cells.sum::<usize>()
     }
 }
@@ -54,8 +65,9 @@ impl Weigh for SeamedTown {
     fn bytes(&self) -> usize {
         let ports: usize = self.seams.iter().map(|s| 24 + s.ports.len() * size_of::<seam::Port>()).sum();
         let shared = self.shared.len() * 48;
-        let cells: usize = self.cells.iter().map(weigh_style).sum();
-        cells + ports + shared + weigh_network(&self.mains)
+        let styles: usize = self.styles.iter().map(weigh_style).sum();
+        let fillers = self.fillers.iter().flatten().map(|cell| cell.filler.bytes() + 8 * cell.edits.len());
+        styles + fillers.sum::<usize>() + ports + shared + weigh_network(&self.mains)
     }
 }
 
@@ -75,7 +87,7 @@ impl Weigh for CellParcels {
 
 fn weigh_style(cell: &CellStyle) -> usize {
     // A mixed style is the cell's own.
-    700 + 8 * cell.weights.len() + size_of::<PinnedPatch>() * cell.pinned.len()
+    700 + 16 * cell.parts.len()
 }
 
 fn weigh_network(network: &Network) -> usize {

@@ -1,15 +1,17 @@
 //! The contract between a main cell and what fills it.
 
-use crate::layer::{Cancel, LayerError};
+use crate::layer::{Cancel, LayerError, Weigh};
 use crate::network::{Junction, JunctionId, Street};
-use crate::patch::PatchDatabase;
 use crate::seam::CellPort;
 use crate::space::Seed;
-use crate::style::Style;
+use crate::style::{FieldKind, LocalRules, Style};
 use crate::town::{CellId, DirectionField};
 use glam::DVec2;
+use std::fmt::Debug;
+use std::sync::Arc;
 
-/// All that a [`CellFiller`] is told about a main cell. Positions are local to the town.
+/// All that a [`CellFiller`] is told about a main cell. Positions are local to the town, in metres.
+#[derive(Clone, Copy)]
 pub struct CellBrief<'a> {
     /// The world's seed.
     pub seed: Seed,
@@ -23,22 +25,18 @@ pub struct CellBrief<'a> {
     pub ports: &'a [CellPort],
     /// Preferred directions.
     pub field: &'a DirectionField,
-    /// Style of the cell.
-    pub style: &'a Style,
-    /// Patches that the style may use.
-    pub patches: &'a PatchDatabase,
-    /// Weight of each of these patches in this cell, 0 for one that may not be used here.
-    pub weights: &'a [f64],
-    /// Patches that stand in the cell whatever grows around them. They keep to the border and to each other as streets do.
-    pub pinned: &'a [PinnedPatch],
+    /// What kind of field that is: how strictly streets follow it.
+    pub field_kind: FieldKind,
+    /// What the style asks of local streets.
+    pub rules: &'a LocalRules,
 }
 
-/// A patch with its place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinnedPatch {
-    /// Index into [`PatchDatabase::patches`].
-    pub patch: usize,
-    /// Where the centre of its bounding circle lies, local to the town, in metres.
+/// Something that the user wants in a certain place: a piece of those that a filler lays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinnedPiece {
+    /// Name of the piece; the filler knows what it stands for.
+    pub piece: String,
+    /// Where its centre lies, local to the town, in metres. Of a patch, that is the centre of its bounding circle.
     pub at: DVec2,
     /// Angle by which it is turned against its drawing, in radians, counter-clockwise.
     pub turned: f64,
@@ -46,15 +44,67 @@ pub struct PinnedPatch {
     pub mirrored: bool,
 }
 
+/// A main cell that a filler is prepared for.
+pub struct CellToFill<'a> {
+    /// The cell.
+    pub brief: CellBrief<'a>,
+    /// The style of the cell, mixed from `styles`; it names the filler.
+    pub style: &'a Style,
+    /// The styles that are mixed in the cell, in the order of their names, with their shares, which sum to 1.
+    pub styles: &'a [(Arc<Style>, f64)],
+    /// What the user wants to stand in the cell, in order.
+    pub pinned: Vec<PinnedPiece>,
+}
+
+/// The main cells of a town that name the same filler.
+pub struct TownToFill<'a> {
+    /// The styles of the town itself: what they count holds for the whole town.
+    pub styles: Vec<&'a Style>,
+    /// The cells.
+    pub cells: Vec<CellToFill<'a>>,
+}
+
+/// A filler with the rules and assets that it needs in a world, made once for the world's styles and assets.
+pub trait Filler: Send + Sync {
+    /// Prepares the filler for the cells of a town: one [`CellFiller`] for each of [`TownToFill::cells`], in order. It is a
+    /// pure function of the town, the styles and the assets.
+    fn prepare(&self, town: &TownToFill<'_>) -> Result<Vec<Arc<dyn CellFiller>>, LayerError>;
+
+    /// Whether there is a piece of this name that can be pinned.
+    fn has_piece(&self, name: &str) -> bool;
+}
+
+/// Fills a main cell with local streets: a pure function of the brief and of what it was prepared with.
+///
+/// Streets stay inside the border; no two cross or touch without a junction; every street is connected to a port; every
+/// port is met; streets that do not meet keep the style's clearance where they can, and 14 m in any case, 12 m at dead
+/// ends. The first metres of a port's street are as near to the border as its stub.
+pub trait CellFiller: Debug + Send + Sync + Weigh {
+    /// Fills the cell. Fails only when it is cancelled.
+    fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError>;
+}
+
 /// What made a local street.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MadeBy {
-    /// A patch: index into [`PatchDatabase::patches`].
-    Patch(u32),
-    /// Parametric growth.
+///
+/// The names stay what they are while the world's styles and patch sets do, and mean the same in every chunk: a piece of
+/// `SemanticPatches` is called `set/patch`, after the patch set and the patch in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MadeBy {
+    /// The filler, as a style's `filler` names it.
+    pub filler: &'static str,
+    /// What the filler made the street of.
+    pub origin: StreetOrigin,
+}
+
+/// What a filler made a street of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum StreetOrigin {
+    /// The street grew by parameters alone.
     Growth,
-    /// Repair: a connection that was added to mend the network.
+    /// The street was added to mend the network.
     Repair,
+    /// The greatest part of the street is from the piece of this name.
+    Piece(Arc<str>),
 }
 
 /// A local street.
@@ -75,17 +125,7 @@ pub struct CellStreets {
     pub streets: Vec<LocalStreet>,
     /// Ports that no street reaches. A filler that leaves one here has a defect.
     pub unmet: Vec<JunctionId>,
-    /// Pinned patches that were left out, as indices into [`CellBrief::pinned`] in order: they do not keep to the border, to
-    /// a port or to one before them, break the rules in themselves, or no street can reach them.
-    pub unfit: Vec<usize>,
-}
-
-/// Fills a main cell with local streets: a pure function of the brief.
-///
-/// Streets stay inside the border; no two cross or touch without a junction; every street is connected to a port; every
-/// port is met; streets that do not meet keep the style's clearance where they can, and 14 m in any case, 12 m at dead
-/// ends. The first metres of a port's street are as near to the border as its stub.
-pub trait CellFiller: Send + Sync {
-    /// Fills one cell.
-    fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError>;
+    /// Pinned pieces that were left out, as indices into [`CellToFill::pinned`], in order: the filler has no such piece
+    /// here, or it does not keep to the border, to a port or to a piece before it, or no street can reach it.
+    pub left_out: Vec<usize>,
 }

@@ -1,9 +1,29 @@
-//! Layer 6: local streets inside a main cell. Reads town, seams and patch sets; nothing outside the cell, so the padding
-//! is that of the town.
+//! Layer 6: local streets inside a main cell. Reads town, seams, styles and what a filler needs besides, such as patch sets;
+//! nothing outside the cell, so the padding is that of the town.
+//!
+//! # Fillers
+//!
+//! A style names what fills its cells. A [`Filler`] holds the rules and assets of a world; prepared for a town, it gives a
+//! [`CellFiller`] for each cell, which turns a [`CellBrief`] into [`CellStreets`]. The brief knows only of the cell:
+//! whatever else a filler needs (patches, weights, counts over a town, pinned pieces) lives with the filler.
+//!
+//! To add a filler: give it a name in [`style::Filler`](crate::style::Filler); write a module here that implements
+//! [`Filler`] and [`CellFiller`], from the tools in `cell` (`parametric` is the smallest example); map the name to it in
+//! `fillers`; add it to the list in `contract`, whose tests every filler must pass.
 
 mod cell;
+#[cfg(test)]
+mod contract;
 mod filler;
+mod fillers;
+mod parametric;
+#[cfg(test)]
+mod sample;
 mod semantic;
 
-pub use filler::{CellBrief, CellFiller, CellStreets, LocalStreet, MadeBy, PinnedPatch};
-pub use semantic::{SemanticPatches, find_place};
+pub use filler::{
+    CellBrief, CellFiller, CellStreets, CellToFill, Filler, LocalStreet, MadeBy, PinnedPiece, StreetOrigin, TownToFill,
+};
+pub use fillers::Fillers;
+pub use parametric::Parametric;
+pub use semantic::{PatchFiller, PinnedPatch, SemanticPatches};

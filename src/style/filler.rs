@@ -9,6 +9,13 @@ pub enum Filler {
     /// Patches chosen by their semantics, with parametric growth where none fits (Teng 2017).
     #[default]
     SemanticPatches,
+    /// Parametric growth alone (Teng 2017, Fig. 3).
+    Parametric,
+}
+
+impl Filler {
+    /// Every filler.
+    pub const ALL: [Self; 2] = [Self::SemanticPatches, Self::Parametric];
 }
 
 /// How often a patch is used in a settlement.

@@ -6,7 +6,7 @@ use crate::parcel::{Block, BlockUse, Footprint, Lot};
 use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};
 use crate::stack::PlacedStreet;
-use crate::streets::MadeBy;
+use crate::streets::{MadeBy, StreetOrigin};
 use crate::terrain::{Terrain, TerrainSample};
 use crate::world::{Area, Owned};
 use glam::DVec2;
@@ -56,7 +56,8 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
                 let class = if main { StreetClass::Main } else { StreetClass::Local };
                 let bend = quantize((at(i, j) + at(k, l)) / 2.0 + (at(k, l) - at(i, j)).perp() * 0.05);
                 let line = vec![at(i, j), bend, at(k, l)];
-                let made_by = [MadeBy::Patch(3), MadeBy::Growth, MadeBy::Repair][(i + 2 * j) % 3];
+                let origins = [StreetOrigin::Piece("set/tee".into()), StreetOrigin::Growth, StreetOrigin::Repair];
+                let made_by = MadeBy { filler: "SemanticPatches", origin: origins[(i + 2 * j) % 3].clone() };
                 put(Street::new(StreetId::of(&edge), class, name(i, j), name(k, l), line), (!main).then_some(made_by));
             }
         }

@@ -3,7 +3,6 @@
 use crate::edits::RejectedEdit;
 use crate::layer::{FileError, RangeError};
 use crate::patch::PatchSet;
-use crate::stack::StyleKit;
 use crate::style::Style;
 use crate::world::Settings;
 use std::collections::BTreeMap;
@@ -142,15 +141,15 @@ impl WorldAssets {
         Ok(())
     }
 
-    /// Every style with its patches, after checking that what is named is there.
-    pub(super) fn kits(&self, settings: &Settings) -> Result<BTreeMap<String, StyleKit>, WorldError> {
+    /// Checks that everything that is named is there, and that the tags of every style leave it patches.
+    pub(super) fn check(&self, settings: &Settings) -> Result<(), WorldError> {
         fn names<T>(map: &BTreeMap<String, T>) -> String {
             map.keys().cloned().collect::<Vec<_>>().join(", ")
         }
         if let Some(style) = settings.settlements.style_names().find(|s| !self.styles.contains_key(*s)) {
             return Err(WorldError::MissingStyle { style: style.to_owned(), known: names(&self.styles) });
         }
-        let kit = |(name, style): (&String, &Arc<Style>)| {
+        self.styles.iter().try_for_each(|(name, style)| {
             let find = |set: &String| {
                 self.patch_sets.get(set).cloned().ok_or_else(|| WorldError::MissingPatchSet {
                     style: name.clone(),
@@ -168,13 +167,11 @@ impl WorldAssets {
                 let (fringe, known) = (fringe.style.clone(), names(&self.styles));
                 return Err(WorldError::MissingFringe { style: name.clone(), fringe, known });
             }
-            let kit = StyleKit::new(style.clone(), sets);
-            if kit.patches.patches.is_empty() && of > 0 {
+            if of > 0 && !sets.iter().flat_map(|s| &s.patches).any(|p| style.allows(p)) {
                 return Err(WorldError::NoPatches { style: name.clone(), of });
             }
-            Ok((name.clone(), kit))
-        };
-        self.styles.iter().map(kit).collect()
+            Ok(())
+        })
     }
 }
 
@@ -185,7 +182,7 @@ mod tests {
     #[test]
     fn the_bundled_assets_make_a_world() {
         let assets = WorldAssets::bundled();
-        assert!(assets.kits(&Settings::default()).is_ok());
+        assert!(assets.check(&Settings::default()).is_ok());
         assert!(assets.patch_sets.values().map(|s| s.patches.len()).sum::<usize>() >= 30);
     }
 
@@ -193,9 +190,9 @@ mod tests {
     fn what_is_missing_is_named() {
         let mut assets = WorldAssets::bundled();
         assets.patch_sets.remove("common");
-        let error = assets.kits(&Settings::default()).unwrap_err();
+        let error = assets.check(&Settings::default()).unwrap_err();
         assert!(error.to_string().contains("`common`"), "{error}");
         assets.styles.clear();
-        assert!(matches!(assets.kits(&Settings::default()), Err(WorldError::MissingStyle { .. })));
+        assert!(matches!(assets.check(&Settings::default()), Err(WorldError::MissingStyle { .. })));
     }
 }

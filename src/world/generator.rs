@@ -59,7 +59,7 @@ impl World {
         settings.check()?;
         edits.check()?;
         let terrain = terrain.make(*seed, settings);
-        let kits = assets.kits(settings)?;
+        assets.check(settings)?;
         let mib = |mib: f64| (mib * 1024.0 * 1024.0) as usize;
         let region = mib(settings.cache.region_mib);
         let has_style = |style: &str| assets.styles.contains_key(style);
@@ -77,7 +77,7 @@ impl World {
             terrain,
             settlements,
             roads,
-            kits,
+            styles: assets.styles.clone(),
             sets: assets.patch_sets.clone(),
             pins: edits.patches.clone(),
             bytes: mib(settings.cache.town_mib),

@@ -7,7 +7,8 @@ use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::math::rotate;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
 use bevy_sprawl::space::{distance_to_line, stable_hash};
-use bevy_sprawl::streets::MadeBy;
+use bevy_sprawl::stack::PreparedCell;
+use bevy_sprawl::streets::{MadeBy, StreetOrigin};
 use bevy_sprawl::style::{PatchCount, Style};
 use bevy_sprawl::town::CellUse;
 use bevy_sprawl::world::{World, WorldAssets, WorldSource};
@@ -41,12 +42,12 @@ fn the_fringe_takes_over_from_the_centre() {
         let (own, fringe) = (&w.assets().styles["european"], &w.assets().styles["suburb"]);
         let outline = w.settlements().outline(settlement).unwrap();
         let radius = (outline.area() / std::f64::consts::PI).sqrt();
-        for (cell, with) in town.town.cells.iter().zip(&town.cells) {
+        for (cell, with) in town.town.cells.iter().zip(&town.styles) {
             let share = own.fringe_share(cell.anchor.length() / radius);
             let expected = own.local.length + (fringe.local.length - own.local.length) * share;
             assert!((with.style.local.length - expected).abs() < 0.05 * own.local.length, "{share}");
-            let used: f64 = with.weights.iter().sum();
-            assert!(used > 5.0 && with.weights.len() == with.patches.patches.len());
+            let sum: f64 = with.parts.iter().map(|(_, share)| share).sum();
+            assert!((sum - 1.0).abs() < 1e-9);
             centre += usize::from(with.style.local == own.local);
             middle += usize::from(share > 0.1 && share < 0.9);
             outside += usize::from(share > 0.9);
@@ -73,11 +74,11 @@ fn counted_patches_stand_as_often_as_the_style_says() {
         let cells_with = |name: &str| {
             let uses = |i: usize| {
                 let streets = w.stack().streets(&town, i, &never()).unwrap();
-                let names = |m: MadeBy| match m {
-                    MadeBy::Patch(p) => town.cells[i].patches.patches[p as usize].name == name,
+                let names = |m: &MadeBy| match &m.origin {
+                    StreetOrigin::Piece(piece) => piece.ends_with(&format!("/{name}")),
                     _ => false,
                 };
-                streets.streets.iter().any(|s| names(s.made_by))
+                streets.streets.iter().any(|s| names(&s.made_by))
             };
             (0..town.town.cells.len()).filter(|i| uses(*i)).count()
         };
@@ -118,8 +119,10 @@ fn a_pinned_patch_stands_where_it_is_pinned_or_is_rejected_alone() {
     let pinned = w.town(&settlement, &never()).unwrap();
     for (index, edit) in edits.patches.iter().enumerate().filter(|(i, _)| !rejected.contains(i)) {
         let local = pinned.town.origin.to_local(edit.at);
-        let cell = pinned.cells.iter().position(|c| c.edits.contains(&index)).expect("it is not rejected");
-        let patch = pinned.cells[cell].patches.patches.iter().find(|p| p.name == edit.patch).unwrap();
+        let pins = |c: &Option<PreparedCell>| c.as_ref().is_some_and(|c| c.edits.contains(&index));
+        let cell = pinned.fillers.iter().position(pins).expect("it is not rejected");
+        let mut sets = w.assets().patch_sets.values();
+        let patch = sets.find_map(|set| set.patches.iter().find(|p| p.name == edit.patch)).unwrap();
         let streets = w.stack().streets(&pinned, cell, &never()).unwrap();
         for edge in &patch.edges {
             let middle = patch.vertices[edge.a].lerp(patch.vertices[edge.b], 0.5);

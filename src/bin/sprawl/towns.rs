@@ -16,7 +16,7 @@ use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::{Network, StreetClass};
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, Seed, point_at, point_in_polygon, polygon_distance};
-use bevy_sprawl::streets::MadeBy;
+use bevy_sprawl::streets::StreetOrigin;
 use bevy_sprawl::terrain::Terrain;
 use bevy_sprawl::world::{Area, World, WorldSource};
 use clap::Args;
@@ -192,10 +192,10 @@ pub fn made(area: &Area, square: Bounds) -> [f64; 4] {
     for placed in area.streets.iter().map(|s| &s.it) {
         let length = placed.street.length();
         if square.contains(point_at(&placed.street.line, length / 2.0).0) {
-            let by = match (placed.street.class, placed.made_by) {
-                (StreetClass::Local, Some(MadeBy::Patch(_))) => 1,
-                (StreetClass::Local, Some(MadeBy::Growth)) => 2,
-                (StreetClass::Local, Some(MadeBy::Repair)) => 3,
+            let by = match (placed.street.class, placed.made_by.as_ref().map(|made_by| &made_by.origin)) {
+                (StreetClass::Local, Some(StreetOrigin::Piece(_))) => 1,
+                (StreetClass::Local, Some(StreetOrigin::Growth)) => 2,
+                (StreetClass::Local, Some(StreetOrigin::Repair)) => 3,
                 _ => 0,
             };
             out[by] += length;

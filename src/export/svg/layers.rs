@@ -6,7 +6,7 @@ use crate::export::{Plan, narrowest_first};
 use crate::network::StreetClass;
 use crate::parcel::BlockUse;
 use crate::stack::PlacedStreet;
-use crate::streets::MadeBy;
+use crate::streets::StreetOrigin;
 use glam::DVec2;
 use svg::node::element::{Group, Path};
 
@@ -111,12 +111,12 @@ impl Sheet {
 }
 
 fn origin_name(placed: &PlacedStreet) -> &'static str {
-    match placed.made_by {
+    match placed.made_by.as_ref().map(|made_by| &made_by.origin) {
         None if placed.street.class == StreetClass::Local => "real local",
         None => "main",
-        Some(MadeBy::Patch(_)) => "patch",
-        Some(MadeBy::Growth) => "growth",
-        Some(MadeBy::Repair) => "repair",
+        Some(StreetOrigin::Piece(_)) => "patch",
+        Some(StreetOrigin::Growth) => "growth",
+        Some(StreetOrigin::Repair) => "repair",
     }
 }
 

@@ -85,7 +85,7 @@ pub struct Draft<'a> {
 impl<'a> Draft<'a> {
     /// The empty cell: a vertex at each port, and no street.
     pub fn new(brief: &'a CellBrief<'a>) -> Self {
-        let rules = CellRules::new(&brief.style.local, brief.style.main.field);
+        let rules = CellRules::new(brief.rules, brief.field_kind);
         Self {
             brief,
             canvas: Canvas::new(brief, f64::from(rules.growth.coarse_gap())),

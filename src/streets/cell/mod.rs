@@ -41,4 +41,4 @@ pub use output::finish;
 pub use proposal::{Join, Proposal};
 pub use repair::repair;
 pub use rules::{LEAST_ARM, Limits};
-pub use stubs::{RemovedStubs, has_stub, lay_stubs, stub_end};
+pub use stubs::{RemovedStubs, grow_from_stubs, has_stub, lay_stubs, stub_end};

@@ -5,8 +5,9 @@ use super::draft::Draft;
 use super::rounding::rounded;
 use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
 use crate::space::QUANTUM;
-use crate::streets::filler::{CellStreets, LocalStreet, MadeBy};
+use crate::streets::filler::{CellStreets, LocalStreet, MadeBy, StreetOrigin};
 use glam::DVec2;
+use std::sync::Arc;
 
 /// A position on the quantum grid as words of a name.
 fn words(p: DVec2) -> [u64; 2] {
@@ -14,8 +15,9 @@ fn words(p: DVec2) -> [u64; 2] {
     [grid.x as i64 as u64, grid.y as i64 as u64]
 }
 
-/// The streets of the finished cell. `piece` names what the filler laid, by the number in [`Maker::Piece`].
-pub fn finish(draft: &Draft<'_>, piece: impl Fn(u32) -> MadeBy) -> CellStreets {
+/// The streets of the finished cell, made by the filler of this name. `pieces` names what it laid, by the number in
+/// [`Maker::Piece`].
+pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> CellStreets {
     let g = &draft.canvas.graph;
     let mut out = CellStreets::default();
     let cell = draft.brief.id.0;
@@ -56,11 +58,12 @@ pub fn finish(draft: &Draft<'_>, piece: impl Fn(u32) -> MadeBy) -> CellStreets {
         let (first, second) = (words(line[0]), words(line[1]));
         let last = words(line[line.len() - 1]);
         let id = StreetId::of(&[cell, first[0], first[1], second[0], second[1], last[0], last[1]]);
-        let made_by = match draft.canvas.maker(&chain) {
-            Maker::Growth => MadeBy::Growth,
-            Maker::Repair => MadeBy::Repair,
-            Maker::Piece(number) => piece(number),
+        let origin = match draft.canvas.maker(&chain) {
+            Maker::Growth => StreetOrigin::Growth,
+            Maker::Repair => StreetOrigin::Repair,
+            Maker::Piece(number) => StreetOrigin::Piece(pieces[number as usize].clone()),
         };
+        let made_by = MadeBy { filler, origin };
         let line = rounded(&draft.canvas, draft.rules.local.rounding, &vertices, line);
         out.streets.push(LocalStreet { street: Street::new(id, class, from, to, line), made_by });
     }

@@ -14,6 +14,13 @@ pub fn lay_stubs(draft: &mut Draft<'_>) {
     }
 }
 
+/// Makes the ends of all stubs candidates of the propagation; no more is laid at the ports.
+pub fn grow_from_stubs(draft: &mut Draft<'_>) {
+    let ports = draft.brief.ports.len();
+    draft.candidates.extend((0..ports).map(|port| stub_end(ports, port)));
+    draft.canvas.stamp_stubs(draft.brief.ports);
+}
+
 /// The vertex at the end of a port's stub in a cell of so many ports.
 pub fn stub_end(ports: usize, port: usize) -> VertexIx {
     (ports + port) as VertexIx

@@ -1,11 +1,12 @@
 //! Finding a place for a patch that is to stand in a cell.
 
-use super::pinned::{lay, lay_pinned};
+use super::pinned::{PinnedPatch, lay, lay_pinned};
 use super::placement::Placement;
 use super::placer::Placer;
+use super::prepared::PatchFiller;
 use crate::space::{Bounds, math, quantize};
 use crate::streets::cell::{Draft, lay_stubs};
-use crate::streets::filler::{CellBrief, PinnedPatch};
+use crate::streets::filler::CellBrief;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,15 +17,15 @@ const TRIES: usize = 400;
 /// pinned already ask for keeps it from being laid there, and there is room around it for streets to reach it. The same
 /// arguments give the same place; `None` where none of some hundred tries fits. A patch of a main street stands at ports,
 /// any other along the field.
-pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
-    let drawn = brief.patches.patches.get(patch)?;
+pub fn find_place(brief: &CellBrief<'_>, filler: &PatchFiller, patch: usize) -> Option<PinnedPatch> {
+    let drawn = filler.patches.patches.get(patch)?;
     let mut draft = Draft::new(brief);
-    let mut placer = Placer::new(&draft, brief.patches, brief.weights);
+    let mut placer = Placer::new(&draft, &filler.patches, &filler.weights);
     lay_stubs(&mut draft);
-    lay_pinned(&mut draft, &mut placer, brief.pinned, &mut Vec::new());
-    let mut rng = brief.seed.stream("place of a patch", &[brief.id.0, patch as u64, brief.pinned.len() as u64]);
+    lay_pinned(&mut draft, &mut placer, &filler.pinned, &mut Vec::new());
+    let mut rng = brief.seed.stream("place of a patch", &[brief.id.0, patch as u64, filler.pinned.len() as u64]);
     let mut tries: Vec<PinnedPatch> = Vec::new();
-    if let Some(main) = brief.patches.facts(patch).main.as_ref() {
+    if let Some(main) = filler.patches.facts(patch).main.as_ref() {
         let along = drawn.vertices[main.to] - drawn.vertices[main.from];
         for port in brief.ports {
             for root in &main.attachments {
@@ -33,7 +34,7 @@ pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
                     let side = along.perp().normalize_or_zero();
                     let laid = Placement::new((patch, *root, at), side, mirrored, port.at, port.inward);
                     let turned = math::angle_of(laid.map(DVec2::X) - laid.map(DVec2::ZERO));
-                    tries.push(PinnedPatch { patch, at: laid.map(DVec2::ZERO), turned, mirrored });
+                    tries.push(PinnedPatch { patch, at: laid.map(DVec2::ZERO), turned, mirrored, piece: None });
                 }
             }
         }
@@ -47,7 +48,7 @@ pub fn find_place(brief: &CellBrief<'_>, patch: usize) -> Option<PinnedPatch> {
             let quarter = rng.index(4) as f64 * FRAC_PI_2;
             let at = quantize(at);
             let turned = brief.field.angle(at) + quarter;
-            tries.push(PinnedPatch { patch, at, turned, mirrored: rng.chance(0.5) });
+            tries.push(PinnedPatch { patch, at, turned, mirrored: rng.chance(0.5), piece: None });
         }
     }
     // First with the style's distances, so that streets go around it as around any other patch.

@@ -5,19 +5,20 @@ mod bend;
 mod breadth_first;
 mod choice;
 mod coarse;
+mod counts;
 mod depth_first;
-mod fill;
+mod filler;
 mod find_place;
 mod panorama;
 mod pattern;
 mod pinned;
 mod placement;
 mod placer;
-#[cfg(test)]
-mod sample;
+mod prepared;
 mod start;
 #[cfg(test)]
 mod tests;
 
-pub use fill::SemanticPatches;
-pub use find_place::find_place;
+pub use filler::SemanticPatches;
+pub use pinned::PinnedPatch;
+pub use prepared::PatchFiller;

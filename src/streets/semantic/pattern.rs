@@ -394,30 +394,29 @@ const SAME: f64 = 7.0;
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{Kit, Sample};
-    use super::super::tests::defects;
+    use super::super::tests::Kit;
     use super::*;
     use crate::streets::cell::{finish, lay_stubs};
-    use crate::streets::filler::MadeBy;
+    use crate::streets::contract::defects;
 
     /// How many elements `lay` built, and at how many ports, over many cells of each style that has such patterns.
     fn built(kits: &[Kit], main: bool, lay: impl Fn(&mut Draft<'_>, &mut Placer<'_>, &[usize])) -> Vec<(u32, usize)> {
         let mut out = Vec::new();
         for kit in kits {
-            let patches = &kit.patches;
+            let patches = &kit.filler.patches;
             let of = |i: &usize| patches.facts(patches.patterns()[*i].element).main.is_some() == main;
             let patterns: Vec<usize> = (0..patches.patterns().len()).filter(of).collect();
             for seed in 300..if patterns.is_empty() { 300 } else { 340 } {
-                let cell = Sample::new(seed, std::slice::from_ref(kit));
+                let cell = kit.cell(seed);
                 let brief = cell.brief();
                 let mut draft = Draft::new(&brief);
-                let mut placer = Placer::new(&draft, brief.patches, brief.weights);
+                let mut placer = Placer::new(&draft, patches, &kit.filler.weights);
                 lay_stubs(&mut draft);
                 lay(&mut draft, &mut placer, &patterns);
                 let n = cell.ports.len();
                 let ports = (0..n).filter(|i| !has_stub(&draft.canvas, n, *i)).count();
                 out.push((placer.uses(), ports));
-                let streets = finish(&draft, MadeBy::Patch);
+                let streets = finish(&draft, "", patches.names());
                 assert_eq!(defects(&cell, &streets), Vec::<String>::new(), "{} {seed}", kit.style.name);
             }
         }

@@ -6,11 +6,25 @@ use crate::network::VertexIx;
 use crate::patch::PatchDatabase;
 use crate::space::{math, point_in_polygon};
 use crate::streets::cell::{Draft, Join, Limits, Maker, Proposal, RemovedStubs};
-use crate::streets::filler::PinnedPatch;
 use glam::DVec2;
 
 /// A root of a patch this near to a port stands in it, in metres.
 const AT_PORT: f64 = 0.1;
+
+/// A patch with its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinnedPatch {
+    /// Index into [`PatchDatabase::patches`].
+    pub patch: usize,
+    /// Where the centre of its bounding circle lies, local to the town, in metres.
+    pub at: DVec2,
+    /// Angle by which it is turned against its drawing, in radians, counter-clockwise.
+    pub turned: f64,
+    /// Whether it is mirrored at its x axis, before it is turned.
+    pub mirrored: bool,
+    /// Which of the pieces that the user pinned it is, if it is one.
+    pub piece: Option<usize>,
+}
 
 /// A pinned patch that stands in the graph.
 #[derive(Clone, Copy, Debug)]
@@ -116,16 +130,29 @@ fn propose_pinned(draft: &mut Draft<'_>, patches: &PatchDatabase, pinned: &Pinne
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{Kit, Sample};
-    use super::super::tests::{defects, fill};
+    use super::super::find_place::find_place;
+    use super::super::prepared::PatchFiller;
+    use super::super::tests::Kit;
     use super::*;
-    use crate::space::{Seed, distance_to_segment, segments};
-    use crate::streets::filler::CellStreets;
-    use crate::streets::semantic::find_place;
+    use crate::layer::Cancel;
+    use crate::space::{Bounds, Seed, centroid, distance_to_segment, segments};
+    use crate::streets::contract::defects;
+    use crate::streets::filler::{CellFiller, CellStreets};
+    use crate::streets::sample::{Sample, styles};
+
+    /// The filler of a cell's style.
+    fn filler(kits: &[Kit], cell: &Sample<'_>) -> PatchFiller {
+        let kit = kits.iter().find(|kit| kit.style.name == cell.style.name);
+        kit.expect("a kit for every style").filler.clone()
+    }
+
+    fn fill(filler: &PatchFiller, cell: &Sample<'_>) -> CellStreets {
+        filler.fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
+    }
 
     /// Whether every street of a pinned patch is there.
-    fn stands(cell: &Sample<'_>, pinned: &PinnedPatch, out: &CellStreets) -> bool {
-        let patch = &cell.kit.patches.patches[pinned.patch];
+    fn stands(filler: &PatchFiller, pinned: &PinnedPatch, out: &CellStreets) -> bool {
+        let patch = &filler.patches.patches[pinned.patch];
         let placement = placement(pinned);
         patch.edges.iter().filter(|e| !e.main).all(|e| {
             let (a, b) = (placement.map(patch.vertices[e.a]), placement.map(patch.vertices[e.b]));
@@ -139,34 +166,35 @@ mod tests {
 
     #[test]
     fn pinned_patches_stand_whole_or_are_reported() {
-        let kits = Kit::all();
+        let (kits, styles) = (Kit::all(), styles());
         let (mut stood, mut left_out) = (0, 0);
         for seed in 0..120 {
-            let mut cell = Sample::new(seed, &kits);
+            let cell = Sample::new(seed, &styles);
+            let mut filler = filler(&kits, &cell);
             let mut s = Seed(seed).stream("pins", &[]);
-            let bounds = crate::space::Bounds::of(cell.border.iter().copied());
+            let bounds = Bounds::of(cell.border.iter().copied());
             let off = 0.6 * bounds.size();
-            for _ in 0..1 + s.index(3) {
-                cell.pinned.push(PinnedPatch {
-                    patch: s.index(cell.kit.patches.patches.len()),
+            for i in 0..1 + s.index(3) {
+                filler.pinned.push(PinnedPatch {
+                    patch: s.index(filler.patches.patches.len()),
                     at: bounds.centre() + off * DVec2::new(s.unit() - 0.5, s.unit() - 0.5),
                     turned: s.range(-4.0, 4.0),
                     mirrored: s.chance(0.5),
+                    piece: Some(i),
                 });
             }
-            let out = fill(&cell);
+            let out = fill(&filler, &cell);
             assert_eq!(defects(&cell, &out), Vec::<String>::new(), "cell {seed}");
-            assert!(out.unfit.is_sorted() && out.unfit.windows(2).all(|w| w[0] < w[1]));
-            for (i, pinned) in cell.pinned.iter().enumerate() {
-                let unfit = out.unfit.contains(&i);
-                assert!(unfit || stands(&cell, pinned, &out), "cell {seed}: a part of {pinned:?} is missing");
-                (stood, left_out) = (stood + i32::from(!unfit), left_out + i32::from(unfit));
+            assert!(out.left_out.is_sorted() && out.left_out.windows(2).all(|w| w[0] < w[1]));
+            for (i, pinned) in filler.pinned.iter().enumerate() {
+                let out_of = out.left_out.contains(&i);
+                assert!(out_of || stands(&filler, pinned, &out), "cell {seed}: a part of {pinned:?} is missing");
+                (stood, left_out) = (stood + i32::from(!out_of), left_out + i32::from(out_of));
             }
-            if out.unfit.len() == cell.pinned.len() {
+            if out.left_out.len() == filler.pinned.len() {
                 // What does not fit leaves no trace.
-                let mut without = Sample::new(seed, &kits);
-                without.pinned.clear();
-                assert_eq!(fill(&without).streets, out.streets, "cell {seed}");
+                filler.pinned.clear();
+                assert_eq!(fill(&filler, &cell).streets, out.streets, "cell {seed}");
             }
         }
         assert!(stood > 20 && left_out > 20, "{stood} stood, {left_out} were left out");
@@ -174,41 +202,44 @@ mod tests {
 
     #[test]
     fn a_place_that_was_found_is_one() {
-        let kits = Kit::all();
+        let (kits, styles) = (Kit::all(), styles());
         let (mut found, mut stood) = (0, 0);
         for seed in 200..260 {
-            let mut cell = Sample::new(seed, &kits);
+            let cell = Sample::new(seed, &styles);
+            let mut filler = filler(&kits, &cell);
             for k in 0..2 {
-                let patch = (seed as usize * 7 + k * 5) % cell.kit.patches.patches.len();
-                let place = find_place(&cell.brief(), patch);
-                assert_eq!(place, find_place(&cell.brief(), patch));
-                cell.pinned.extend(place);
+                let patch = (seed as usize * 7 + k * 5) % filler.patches.patches.len();
+                let place = find_place(&cell.brief(), &filler, patch);
+                assert_eq!(place, find_place(&cell.brief(), &filler, patch));
+                filler.pinned.extend(place.map(|place| PinnedPatch { piece: Some(filler.pinned.len()), ..place }));
             }
-            let out = fill(&cell);
+            let out = fill(&filler, &cell);
             assert_eq!(defects(&cell, &out), Vec::<String>::new(), "cell {seed}");
-            found += cell.pinned.len();
-            stood += cell.pinned.len() - out.unfit.len();
-            assert!(cell.pinned.iter().enumerate().all(|(i, p)| out.unfit.contains(&i) || stands(&cell, p, &out)));
+            found += filler.pinned.len();
+            stood += filler.pinned.len() - out.left_out.len();
+            let mut pinned = filler.pinned.iter().enumerate();
+            assert!(pinned.all(|(i, p)| out.left_out.contains(&i) || stands(&filler, p, &out)));
         }
         assert!(found > 40 && stood * 50 >= found * 49, "{stood} of {found} places");
     }
 
     #[test]
-    fn what_cannot_be_is_unfit() {
-        let kits = Kit::all();
-        let mut cell = Sample::new(11, &kits);
-        let at = crate::space::centroid(&cell.border);
-        let pin = |patch, at, turned| PinnedPatch { patch, at, turned, mirrored: false };
-        cell.pinned = vec![
-            pin(10_000, at, 0.0),
-            pin(0, at * f64::NAN, 0.0),
-            pin(0, at, f64::INFINITY),
-            pin(0, at + 5000.0, 0.0),
-            pin(0, cell.border[0], 0.0),
+    fn what_cannot_be_is_left_out() {
+        let (kits, styles) = (Kit::all(), styles());
+        let mut cell = Sample::new(11, &styles);
+        let mut filler = filler(&kits, &cell);
+        let at = centroid(&cell.border);
+        let pin = |piece, patch, at, turned| PinnedPatch { patch, at, turned, mirrored: false, piece: Some(piece) };
+        filler.pinned = vec![
+            pin(0, 10_000, at, 0.0),
+            pin(1, 0, at * f64::NAN, 0.0),
+            pin(2, 0, at, f64::INFINITY),
+            pin(3, 0, at + 5000.0, 0.0),
+            pin(4, 0, cell.border[0], 0.0),
         ];
-        assert_eq!(fill(&cell).unfit, [0, 1, 2, 3, 4]);
+        assert_eq!(fill(&filler, &cell).left_out, [0, 1, 2, 3, 4]);
         cell.ports.clear();
-        cell.pinned = vec![pin(0, at, 0.0)];
-        assert_eq!(fill(&cell), CellStreets { unfit: vec![0], ..CellStreets::default() });
+        filler.pinned = vec![pin(0, 0, at, 0.0)];
+        assert_eq!(fill(&filler, &cell), CellStreets { left_out: vec![0], ..CellStreets::default() });
     }
 }

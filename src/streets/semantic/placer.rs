@@ -37,7 +37,7 @@ impl<'a> Placer<'a> {
             weights_left: Vec::new(),
             largest: patches.patches.iter().map(|p| p.radius).fold(0.0, f64::max),
             farthest: longest.fold(0.0, f64::max) * (1.0 + STRETCH),
-            bending: Bending::new(draft.brief.style.main.field, draft.rules.most_turn),
+            bending: Bending::new(draft.brief.field_kind, draft.rules.most_turn),
             slots: Vec::new(),
         };
         placer.weights_left = (0..patches.patches.len()).map(|p| placer.weight_after(p, 0)).collect();

@@ -1,51 +1,42 @@
 //! Cells to test with: polygons of many shapes, with ports that keep the promises of the seam layer, in the bundled styles.
 
 use crate::network::{JunctionId, StreetClass};
-use crate::patch::{PatchDatabase, PatchSet};
+use crate::patch::PatchSet;
 use crate::seam::{CellPort, STUB_CLEARANCE, STUB_LENGTH};
 use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
-use crate::streets::{CellBrief, PinnedPatch};
+use crate::streets::filler::CellBrief;
 use crate::style::{FieldKind, Style};
 use crate::town::{CellId, DirectionField};
 use glam::DVec2;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A cell with all that its brief needs.
-pub(super) struct Sample<'a> {
+pub struct Sample<'a> {
     pub seed: u64,
     pub border: Vec<DVec2>,
     pub half: Vec<Option<f64>>,
     pub ports: Vec<CellPort>,
     pub field: DirectionField,
-    pub pinned: Vec<PinnedPatch>,
-    pub kit: &'a Kit,
+    pub style: &'a Style,
 }
 
-/// A style with its patches.
-pub(super) struct Kit {
-    pub style: Style,
-    pub patches: PatchDatabase,
-    pub weights: Vec<f64>,
+/// The bundled file of this path below the assets, without its extension.
+fn read(path: &str) -> String {
+    let file = format!("{}/assets/{path}.ron", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(&file).expect("the bundled file is there")
 }
 
-impl Kit {
-    /// The bundled styles.
-    pub fn all() -> Vec<Self> {
-        let read = |path: &str| {
-            let file = format!("{}/assets/{path}.ron", env!("CARGO_MANIFEST_DIR"));
-            std::fs::read_to_string(&file).expect("the bundled file is there")
-        };
-        let names = ["grid", "european", "organic", "suburb", "village"];
-        let style = |name: &str| Style::from_ron(&format!("{name}.ron"), &read(&format!("styles/{name}"))).expect(name);
-        let set = |name: &String| PatchSet::from_ron(name, &read(&format!("patches/{name}"))).expect(name);
-        names
-            .map(|name| {
-                let style = style(name);
-                let sets: Vec<PatchSet> = style.patch_sets.iter().map(set).collect();
-                let patches = PatchDatabase::new(&sets.iter().collect::<Vec<_>>(), &style.allow, &style.exclude);
-                Self { style, weights: patches.weights(), patches }
-            })
-            .into()
-    }
+/// Some of the bundled styles.
+pub fn styles() -> Vec<Style> {
+    let style = |name: &str| Style::from_ron(&format!("{name}.ron"), &read(&format!("styles/{name}"))).expect(name);
+    ["grid", "european", "organic", "suburb", "village"].map(style).into()
+}
+
+/// The patch sets that these styles name.
+pub fn patch_sets(styles: &[Style]) -> BTreeMap<String, Arc<PatchSet>> {
+    let set = |name: &String| PatchSet::from_ron(name, &read(&format!("patches/{name}"))).expect(name);
+    styles.iter().flat_map(|s| &s.patch_sets).map(|name| (name.clone(), Arc::new(set(name)))).collect()
 }
 
 impl<'a> Sample<'a> {
@@ -57,18 +48,16 @@ impl<'a> Sample<'a> {
             street_half_width: &self.half,
             ports: &self.ports,
             field: &self.field,
-            style: &self.kit.style,
-            patches: &self.kit.patches,
-            weights: &self.kit.weights,
-            pinned: &self.pinned,
+            field_kind: self.style.main.field,
+            rules: &self.style.local,
         }
     }
 
     /// A cell whose shape, style and ports follow from `seed`.
-    pub fn new(seed: u64, kits: &'a [Kit]) -> Self {
+    pub fn new(seed: u64, styles: &'a [Style]) -> Self {
         let mut s = Seed(seed).stream("sample cell", &[]);
-        let kit = &kits[s.index(kits.len())];
-        let field = kit.style.main.field;
+        let style = &styles[s.index(styles.len())];
+        let field = style.main.field;
         let corners = shape(&mut s, field == FieldKind::Grid);
         // A main street bends a little between its ends.
         let bends = if field == FieldKind::Grid { 0.0 } else { 0.06 };
@@ -95,11 +84,11 @@ impl<'a> Sample<'a> {
         let mut ports: Vec<CellPort> = Vec::new();
         for (k, (line, h)) in sides.iter().enumerate() {
             if h.is_some() {
-                add_ports(&mut s, kit.style.seam.spacing, &sides, k, line, &border, &mut ports);
+                add_ports(&mut s, style.seam.spacing, &sides, k, line, &border, &mut ports);
             }
         }
         let field = DirectionField::uniform(heading(&border) + s.signed() * 0.03);
-        Self { seed, border, half, ports, field, pinned: Vec::new(), kit }
+        Self { seed, border, half, ports, field, style }
     }
 }
 

@@ -1,0 +1,310 @@
+//! The contract of [`CellFiller`], held against every filler in many cells, by brute force on their final streets.
+
+use super::filler::{CellFiller, CellStreets, CellToFill, PinnedPiece};
+use super::fillers::Fillers;
+use super::sample::{Sample, patch_sets, styles};
+use crate::layer::{Cancel, LayerError};
+use crate::network::{JunctionId, Street};
+use crate::seam::STUB_LENGTH;
+use crate::space::{
+    cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing, segment_distance,
+    segments,
+};
+use crate::style::{Filler, Style};
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Cells that every filler is tried in.
+const CELLS: u64 = 200;
+
+fn line_distance(a: &[DVec2], b: &[DVec2]) -> f64 {
+    segments(a).flat_map(|x| segments(b).map(move |y| segment_distance(x.0, x.1, y.0, y.1))).fold(f64::MAX, f64::min)
+}
+
+/// Everything that is wrong with a filled cell.
+pub fn defects(cell: &Sample<'_>, out: &CellStreets) -> Vec<String> {
+    let mut bad = Vec::new();
+    let mut places: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
+    for j in &out.junctions {
+        if places.insert(j.id, j.at).is_some() {
+            bad.push(format!("junction {:?} twice", j.id));
+        }
+    }
+    let ports: BTreeMap<JunctionId, DVec2> = cell.ports.iter().map(|p| (p.junction, p.at)).collect();
+    for (id, at) in &ports {
+        if places.insert(*id, *at).is_some() {
+            bad.push("port among the junctions".into());
+        }
+    }
+    let streets: Vec<&Street> = out.streets.iter().map(|s| &s.street).collect();
+    if streets.iter().map(|s| s.id).collect::<BTreeSet<_>>().len() != streets.len() {
+        bad.push("street id twice".into());
+    }
+    if !out.unmet.is_empty() {
+        bad.push(format!("{} unmet ports", out.unmet.len()));
+    }
+    let mut degree: BTreeMap<JunctionId, Vec<DVec2>> = BTreeMap::new();
+    for s in &streets {
+        let n = s.line.len();
+        if places.get(&s.from) != Some(&s.line[0]) || places.get(&s.to) != Some(&s.line[n - 1]) || s.from == s.to {
+            bad.push(format!("street ends {:?} are not its junctions", s.line));
+        }
+        if s.line.iter().any(|p| quantize(*p) != *p) || segments(&s.line).any(|(a, b)| a == b) {
+            bad.push("line off the grid or with a point twice".into());
+        }
+        degree.entry(s.from).or_default().push(s.line[1] - s.line[0]);
+        degree.entry(s.to).or_default().push(s.line[n - 2] - s.line[n - 1]);
+        if s.length() < 12.0 {
+            bad.push(format!("street of {:.1} m at {}", s.length(), s.line[0]));
+        }
+        for w in s.line.windows(3) {
+            if angle_between(w[0] - w[1], w[2] - w[1]) < 0.6 {
+                bad.push(format!("hairpin at {}", w[1]));
+            }
+        }
+        for p in &s.line[1..n - 1] {
+            if !point_in_polygon(*p, &cell.border) {
+                bad.push(format!("{p} outside"));
+            }
+        }
+    }
+    for p in &cell.ports {
+        let met = streets.iter().any(|s| {
+            let n = s.line.len();
+            [(s.from, s.line[0], s.line[1]), (s.to, s.line[n - 1], s.line[n - 2])]
+                .iter()
+                .any(|(id, at, next)| *id == p.junction && (*next - *at).normalize().dot(p.inward) > 0.7)
+        });
+        if !met {
+            bad.push(format!("port at {} not met from its side", p.at));
+        }
+    }
+    for (id, around) in &degree {
+        for (i, a) in around.iter().enumerate() {
+            if around[..i].iter().any(|b| angle_between(*a, *b) < 35f64.to_radians()) {
+                bad.push(format!("sharp angle at {}", places[id]));
+            }
+        }
+    }
+    let dead = |s: &Street| {
+        [(s.from, s.line[0]), (s.to, s.line[s.line.len() - 1])]
+            .into_iter()
+            .filter(|(id, _)| degree[id].len() == 1 && !ports.contains_key(id))
+            .map(|(_, at)| at)
+            .collect::<Vec<_>>()
+    };
+    let joined = |a: &Street, b: &Street| [a.from, a.to].iter().any(|j| *j == b.from || *j == b.to);
+    for (i, a) in streets.iter().enumerate() {
+        for b in &streets[..i] {
+            if joined(a, b) {
+                // They share junctions and nothing else.
+                let shared: Vec<DVec2> =
+                    [a.from, a.to].iter().filter(|j| **j == b.from || **j == b.to).map(|j| places[j]).collect();
+                for x in segments(&a.line) {
+                    for y in segments(&b.line) {
+                        if let Some(c) = segment_crossing(x.0, x.1, y.0, y.1)
+                            && !shared.contains(&c.at)
+                        {
+                            bad.push(format!("joined streets cross at {}", c.at));
+                        }
+                    }
+                }
+            } else if line_distance(&a.line, &b.line) < 14.0 - 0.01 {
+                bad.push(format!(
+                    "{:.1} m between streets at {} and {}",
+                    line_distance(&a.line, &b.line),
+                    a.line[0],
+                    b.line[0]
+                ));
+            }
+            for (x, y) in [(a, b), (b, a)] {
+                for end in dead(x) {
+                    if distance_to_line(end, &y.line) < 12.0 {
+                        bad.push(format!("dead end {end} is {:.1} m from a street", distance_to_line(end, &y.line)));
+                    }
+                }
+            }
+        }
+        // A street may cross itself no more than others.
+        let own: Vec<_> = segments(&a.line).collect();
+        for k in 0..own.len() {
+            for l in 0..k.saturating_sub(1) {
+                if segment_crossing(own[k].0, own[k].1, own[l].0, own[l].1).is_some() {
+                    bad.push("street crosses itself".into());
+                }
+            }
+        }
+        for k in 0..cell.border.len() {
+            let (c, d) = (cell.border[k], cell.border[(k + 1) % cell.border.len()]);
+            let least = cell.half[k].map_or(14.0, |h| h + 5.0 + 4.0) - 0.01;
+            for (p, q) in segments(&a.line) {
+                let on_own_wall = |at: DVec2| c.distance(at) + d.distance(at) - c.distance(d) < 0.01;
+                let port = ports.values().find(|at| **at == p || **at == q);
+                if port.is_none_or(|at| !on_own_wall(*at)) && segment_crossing(p, q, c, d).is_some() {
+                    bad.push(format!("crosses the border at {p}"));
+                }
+            }
+            // The seam answers for the distance of stubs and their ends from the border.
+            let off = |id: JunctionId, at: DVec2| {
+                let stub_end = cell.ports.iter().any(|x| (x.at + x.inward * STUB_LENGTH).distance(at) < 0.01);
+                if ports.contains_key(&id) { STUB_LENGTH + 8.0 } else { f64::from(u8::from(stub_end)) * 8.0 }
+            };
+            let n = a.line.len();
+            let (from, to) = (off(a.from, a.line[0]), a.length() - off(a.to, a.line[n - 1]));
+            if from < to {
+                let line = cut_line(&a.line, from, to);
+                let room = line_distance(&line, &[c, d]);
+                if room < least {
+                    bad.push(format!("{room:.1} m from the border near {}", line[0]));
+                }
+            }
+        }
+    }
+    // Every junction is connected to a port.
+    let mut reached: BTreeSet<JunctionId> = ports.keys().copied().collect();
+    loop {
+        let before = reached.len();
+        for s in &streets {
+            if reached.contains(&s.from) || reached.contains(&s.to) {
+                reached.extend([s.from, s.to]);
+            }
+        }
+        if reached.len() == before {
+            break;
+        }
+    }
+    if reached.len() != places.len() {
+        bad.push(format!("{} junctions float", places.len() - reached.len()));
+    }
+    bad
+}
+
+/// Some of the bundled styles, all of which name a filler, with the fillers of a world that has no others.
+fn with_filler(filler: Filler) -> (Vec<Style>, Fillers) {
+    let mut styles = styles();
+    styles.iter_mut().for_each(|style| style.filler = filler);
+    let by_name = styles.iter().map(|style| (style.name.clone(), Arc::new(style.clone()))).collect();
+    let fillers = Fillers::new(&by_name, &patch_sets(&styles));
+    (styles, fillers)
+}
+
+/// The filler of a cell, prepared as for a town that has no other cell.
+fn prepared(fillers: &Fillers, cell: &Sample<'_>, pinned: Vec<PinnedPiece>) -> Arc<dyn CellFiller> {
+    let styles = [(Arc::new(cell.style.clone()), 1.0)];
+    let to_fill = CellToFill { brief: cell.brief(), style: cell.style, styles: &styles, pinned };
+    let mut prepared = fillers.prepare(&[cell.style], vec![to_fill]).expect("every style is there");
+    prepared.pop().expect("one for each cell")
+}
+
+fn fill(fillers: &Fillers, cell: &Sample<'_>) -> CellStreets {
+    prepared(fillers, cell, Vec::new()).fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
+}
+
+#[test]
+fn every_cell_keeps_every_promise() {
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        let mut failures = Vec::new();
+        let mut streets = 0;
+        for seed in 0..CELLS {
+            let cell = Sample::new(seed, &styles);
+            let out = fill(&fillers, &cell);
+            streets += out.streets.len() as u64;
+            failures.extend(defects(&cell, &out).into_iter().map(|d| format!("cell {seed}: {d}")));
+        }
+        let some = failures[..failures.len().min(40)].join("\n");
+        assert!(failures.is_empty(), "{filler:?} has {} defects:\n{some}", failures.len());
+        assert!(streets > 10 * CELLS, "{filler:?}: {streets} streets");
+    }
+}
+
+#[test]
+fn the_same_brief_gives_the_same_streets() {
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        for seed in [3, 14, 159] {
+            let cell = Sample::new(seed, &styles);
+            assert_eq!(fill(&fillers, &cell), fill(&fillers, &cell));
+            let again = with_filler(filler).1;
+            assert_eq!(fill(&fillers, &cell), fill(&again, &cell));
+        }
+    }
+}
+
+#[test]
+fn streets_say_which_filler_made_them() {
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        let out = fill(&fillers, &Sample::new(3, &styles));
+        assert!(out.streets.iter().all(|s| s.made_by.filler == format!("{filler:?}")));
+    }
+}
+
+#[test]
+fn cancelling_stops() {
+    let cancel = Cancel::new();
+    cancel.cancel();
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        let cell = Sample::new(5, &styles);
+        let out = prepared(&fillers, &cell, Vec::new()).fill(&cell.brief(), &cancel);
+        assert_eq!(out, Err(LayerError::Cancelled));
+    }
+}
+
+#[test]
+fn cells_without_room_or_ports_are_fine() {
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        let mut cell = Sample::new(7, &styles);
+        cell.ports.clear();
+        assert_eq!(fill(&fillers, &cell), CellStreets::default());
+        cell.border.truncate(2);
+        assert_eq!(fill(&fillers, &cell), CellStreets::default());
+        cell.border.clear();
+        assert_eq!(fill(&fillers, &cell), CellStreets::default());
+    }
+}
+
+#[test]
+fn pieces_that_there_are_not_are_left_out() {
+    for filler in Filler::ALL {
+        let (styles, fillers) = with_filler(filler);
+        let cell = Sample::new(11, &styles);
+        let at = crate::space::centroid(&cell.border);
+        let pin = |piece: &str| PinnedPiece { piece: piece.into(), at, turned: 0.0, mirrored: false };
+        let pinned = vec![pin("no such piece"), pin("nor this one")];
+        assert!(pinned.iter().all(|p| !fillers.has_piece(&p.piece)));
+        let out = prepared(&fillers, &cell, pinned).fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled");
+        assert_eq!(out, CellStreets { left_out: vec![0, 1], ..fill(&fillers, &cell) });
+    }
+}
+
+#[test]
+fn rounding_takes_sharp_bends_and_leaves_ends_where_they_are() {
+    let sharp = |out: &CellStreets| {
+        let turns = |s: &Street| s.line.windows(3).filter(|w| angle_between(w[1] - w[0], w[2] - w[1]) > 0.3).count();
+        out.streets.iter().map(|s| turns(&s.street)).sum::<usize>()
+    };
+    let ends = |out: &CellStreets| -> Vec<_> {
+        let end = |s: &Street| (s.id, s.line[0], s.line[s.line.len() - 1]);
+        out.streets.iter().map(|s| end(&s.street)).collect()
+    };
+    for filler in Filler::ALL {
+        let (mut styles, fillers) = with_filler(filler);
+        let (mut before, mut after) = (0, 0);
+        for style in &mut styles {
+            for seed in 0..20 {
+                style.local.rounding = 0.0;
+                let plain = fill(&fillers, &Sample::new(seed, std::slice::from_ref(style)));
+                style.local.rounding = 26.0;
+                let round = fill(&fillers, &Sample::new(seed, std::slice::from_ref(style)));
+                assert_eq!(plain.junctions, round.junctions);
+                assert_eq!(ends(&plain), ends(&round));
+                (before, after) = (before + sharp(&plain), after + sharp(&round));
+            }
+        }
+        assert!(before > 50 && after * 4 < before, "{filler:?}: {before} sharp bends, {after} after rounding");
+    }
+}

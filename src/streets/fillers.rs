@@ -1,0 +1,57 @@
+//! Which filler a style's `filler` stands for.
+
+use super::filler::{CellFiller, CellToFill, Filler, TownToFill};
+use super::parametric::Parametric;
+use super::semantic::SemanticPatches;
+use crate::layer::LayerError;
+use crate::patch::PatchSet;
+use crate::style::{self, Style};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The fillers of a world, with the rules and assets that they need.
+pub struct Fillers {
+    semantic: SemanticPatches,
+    parametric: Parametric,
+}
+
+impl Fillers {
+    /// The fillers for these styles and patch sets, both by name.
+    pub fn new(styles: &BTreeMap<String, Arc<Style>>, sets: &BTreeMap<String, Arc<PatchSet>>) -> Self {
+        Self { semantic: SemanticPatches::new(styles, sets), parametric: Parametric::default() }
+    }
+
+    fn of(&self, name: style::Filler) -> &dyn Filler {
+        match name {
+            style::Filler::SemanticPatches => &self.semantic,
+            style::Filler::Parametric => &self.parametric,
+        }
+    }
+
+    /// Whether any filler has a piece of this name that can be pinned.
+    pub fn has_piece(&self, name: &str) -> bool {
+        style::Filler::ALL.iter().any(|filler| self.of(*filler).has_piece(name))
+    }
+
+    /// Prepares the fillers of a town's cells, each the one that the cell's style names, in the order of `cells`. `styles`
+    /// are the styles of the town itself.
+    pub fn prepare(
+        &self,
+        styles: &[&Style],
+        cells: Vec<CellToFill<'_>>,
+    ) -> Result<Vec<Arc<dyn CellFiller>>, LayerError> {
+        let mut out: Vec<Option<Arc<dyn CellFiller>>> = vec![None; cells.len()];
+        let mut cells: Vec<(usize, CellToFill<'_>)> = cells.into_iter().enumerate().collect();
+        for filler in style::Filler::ALL {
+            let (here, rest) = cells.into_iter().partition(|(_, cell)| cell.style.filler == filler);
+            cells = rest;
+            let here: Vec<(usize, CellToFill<'_>)> = here;
+            let (places, here): (Vec<usize>, Vec<CellToFill<'_>>) = here.into_iter().unzip();
+            let prepared = self.of(filler).prepare(&TownToFill { styles: styles.to_vec(), cells: here })?;
+            for (place, filler) in places.into_iter().zip(prepared) {
+                out[place] = Some(filler);
+            }
+        }
+        Ok(out.into_iter().flatten().collect())
+    }
+}

@@ -1,0 +1,79 @@
+//! Filling a cell, step by step (Teng 2017, section 3).
+
+use super::choice::PatchChoice;
+use super::pattern;
+use super::pinned::{PinnedPatch, lay_pinned};
+use super::placer::Placer;
+use super::start::start;
+use crate::layer::{Cancel, LayerError, Weigh};
+use crate::patch::PatchDatabase;
+use crate::streets::cell::{Draft, finish, floating, lay_stubs, make_fair, propagate, repair};
+use crate::streets::filler::{CellBrief, CellFiller, CellStreets};
+use std::sync::Arc;
+
+/// The name by which styles call this filler.
+pub const NAME: &str = "SemanticPatches";
+
+/// Patches chosen by their semantics (Teng 2017), prepared for one cell.
+#[derive(Clone, Debug)]
+pub struct PatchFiller {
+    /// The patches that the cell's streets are made of.
+    pub patches: Arc<PatchDatabase>,
+    /// The weight of each in this cell, 0 for one that may not be chosen.
+    pub weights: Vec<f64>,
+    /// Patches that stand in the cell whatever grows around them. They keep to the border and to each other as streets do.
+    pub pinned: Vec<PinnedPatch>,
+    /// Pinned pieces that are none of `patches`, as indices into the list of pinned pieces.
+    pub unknown: Vec<usize>,
+}
+
+impl PatchFiller {
+    /// The filler of a cell in which no patch is pinned; `weights` has the weight of each patch.
+    pub fn new(patches: Arc<PatchDatabase>, weights: Vec<f64>) -> Self {
+        Self { patches, weights, pinned: Vec::new(), unknown: Vec::new() }
+    }
+
+    /// Which of the pinned pieces were left out, where `left_out` are indices into `pinned`.
+    fn pieces(&self, left_out: &[usize]) -> Vec<usize> {
+        let of_user = left_out.iter().filter_map(|i| self.pinned[*i].piece);
+        let mut pieces: Vec<usize> = of_user.chain(self.unknown.iter().copied()).collect();
+        pieces.sort_unstable();
+        pieces
+    }
+}
+
+impl CellFiller for PatchFiller {
+    fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
+        let mut left_out = Vec::new();
+        loop {
+            let mut draft = Draft::new(brief);
+            let mut placer = Placer::new(&draft, &self.patches, &self.weights);
+            let mut choice = PatchChoice::default();
+            lay_stubs(&mut draft);
+            let standing = lay_pinned(&mut draft, &mut placer, &self.pinned, &mut left_out);
+            start(&mut draft, &mut placer);
+            cancel.check()?;
+            propagate(&mut draft, cancel, |draft, v, at, direction| {
+                draft.rng.chance(pattern::ONWARDS) && pattern::pattern_onwards(draft, &mut placer, v, direction)
+                    || choice.attach(draft, &mut placer, v, at, direction)
+            })?;
+            let anchors: Vec<_> = standing.iter().map(|s| s.vertex).collect();
+            repair(&mut draft, &anchors, cancel)?;
+            make_fair(&mut draft);
+            let cut_off = floating(&draft, &anchors);
+            if cut_off.is_empty() {
+                let left_out = self.pieces(&left_out);
+                return Ok(CellStreets { left_out, ..finish(&draft, NAME, self.patches.names()) });
+            }
+            // Nothing may float: once more without the patches that could not be reached.
+            left_out.extend(cut_off.into_iter().map(|i| standing[i].index));
+        }
+    }
+}
+
+impl Weigh for PatchFiller {
+    fn bytes(&self) -> usize {
+        // The patches are shared by many cells.
+        size_of::<Self>() + 8 * self.weights.len() + size_of::<PinnedPatch>() * self.pinned.len()
+    }
+}
