@@ -2,18 +2,17 @@
 
 use bevy_sprawl::edits::{EditList, Edits, PatchEdit};
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::network::{JunctionId, SizeClass, Street};
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::math::rotate;
-use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::space::{distance_to_line, stable_hash};
+use bevy_sprawl::space::{Bounds, ChunkCoord, DisjointSets, Seed, distance_to_line, stable_hash};
 use bevy_sprawl::stack::PreparedCell;
 use bevy_sprawl::streets::{MadeBy, StreetOrigin};
-use bevy_sprawl::style::{PatchCount, Style};
+use bevy_sprawl::style::{Filler, FringeRules, PatchCount, Style};
 use bevy_sprawl::town::CellUse;
 use bevy_sprawl::world::{World, WorldAssets, WorldSource};
 use glam::DVec2;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 fn world(assets: WorldAssets, edits: Edits) -> World {
@@ -142,4 +141,39 @@ fn a_pinned_patch_stands_where_it_is_pinned_or_is_rejected_alone() {
     let really: BTreeSet<ChunkCoord> = near().filter(|c| print(&w, *c) != print(&plain, *c)).collect();
     assert!(!really.is_empty() && really.is_subset(&changed), "{really:?} {changed:?}");
     assert!(changed.len() < 60, "{}", changed.len());
+}
+
+#[test]
+fn a_town_of_two_fillers_is_one_network_without_unmet_ports() {
+    let mut assets = WorldAssets::bundled();
+    let grown = Style { name: "grown".into(), filler: Filler::Parametric, ..Style::clone(&assets.styles["suburb"]) };
+    let mut centre = Style::clone(&assets.styles["european"]);
+    centre.fringe = Some(FringeRules { style: grown.name.clone(), begins: 0.3, complete: 0.9 });
+    assets.styles.insert(grown.name.clone(), Arc::new(grown));
+    assets.styles.insert(centre.name.clone(), Arc::new(centre));
+    let w = world(assets, Edits::default());
+    for settlement in towns(&w, "european").iter().take(3) {
+        let town = w.town(settlement, &never()).unwrap();
+        let mut cells_by_filler: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut joined: DisjointSets<JunctionId> = DisjointSets::new();
+        let mut junctions: BTreeSet<JunctionId> = BTreeSet::new();
+        let mut join = |street: &Street| {
+            joined.union(street.from, street.to);
+            junctions.extend([street.from, street.to]);
+        };
+        town.mains.streets.iter().for_each(&mut join);
+        for cell in 0..town.town.cells.len() {
+            let streets = w.stack().streets(&town, cell, &never()).unwrap();
+            assert_eq!(streets.unmet, [], "{}: cell {cell}", settlement.name);
+            if let Some(street) = streets.streets.first() {
+                *cells_by_filler.entry(street.made_by.filler).or_default() += 1;
+            }
+            streets.streets.iter().for_each(|s| join(&s.street));
+        }
+        let semantic = cells_by_filler.get("SemanticPatches").copied().unwrap_or_default();
+        let parametric = cells_by_filler.get("Parametric").copied().unwrap_or_default();
+        assert!(semantic > 3 && parametric > 3, "{}: {cells_by_filler:?}", settlement.name);
+        let parts: BTreeSet<JunctionId> = junctions.iter().map(|j| joined.find(*j)).collect();
+        assert_eq!(parts.len(), 1, "{} falls into {} parts", settlement.name, parts.len());
+    }
 }
