@@ -1,4 +1,5 @@
-//! The obstacles of a cell by place: which of them reach into each band from north to south and from west to east.
+//! An index of the obstacles that overlap a box: the cell is cut into bands from west to east and from south to north, and
+//! each band knows the obstacles that reach into it.
 
 use crate::space::Bounds;
 use glam::{DVec2, UVec2};
@@ -7,22 +8,22 @@ use std::ops::RangeInclusive;
 /// Width of a band, in metres.
 const WIDTH: f64 = 30.0;
 
-/// What boxes are taken to be larger by, in metres; far more than rounding.
+/// Margin around boxes, in metres; far more than rounding errors.
 const MARGIN: f64 = 0.1;
 
-/// Obstacles, named by numbers, by the bands of both directions that they reach into: a bit each.
+/// Obstacles, by number. Each band has one bit per obstacle.
 pub struct Bands {
     corner: DVec2,
-    /// The numbers of bands side by side and one above the other.
+    /// Number of columns and of rows.
     size: UVec2,
-    /// For every 64 obstacles a word for each of those side by side.
+    /// For every 64 obstacles, one word per column.
     columns: Vec<u64>,
-    /// The same for those one above the other.
+    /// For every 64 obstacles, one word per row.
     rows: Vec<u64>,
 }
 
 impl Bands {
-    /// The bands of a cell; what lies outside counts as in the nearest ones.
+    /// The bands of a cell. Obstacles outside the bounds belong to the nearest bands.
     pub fn new(bounds: Bounds) -> Self {
         let size = (bounds.size() / WIDTH).ceil().clamp(DVec2::ONE, DVec2::splat(512.0)).as_uvec2();
         Self { corner: bounds.min, size, columns: Vec::new(), rows: Vec::new() }
@@ -35,7 +36,7 @@ impl Bands {
         [low.x as usize..=high.x as usize, low.y as usize..=high.y as usize]
     }
 
-    /// Puts an obstacle into a box. One that was put elsewhere before is found there as well.
+    /// Adds an obstacle with its box. An obstacle that was added before is found at its old place as well.
     pub fn put(&mut self, obstacle: usize, bounds: Bounds) {
         let [columns, rows] = self.extent(bounds);
         for (words, bands, size) in [(&mut self.columns, columns, self.size.x), (&mut self.rows, rows, self.size.y)] {
@@ -45,7 +46,7 @@ impl Bands {
         }
     }
 
-    /// What may reach into a box, in order.
+    /// The obstacles that may overlap a box, in ascending order.
     pub fn within(&self, bounds: Bounds) -> impl Iterator<Item = usize> {
         let [columns, rows] = self.extent(bounds);
         let words = self.columns.chunks_exact(self.size.x as usize).zip(self.rows.chunks_exact(self.size.y as usize));

@@ -1,4 +1,5 @@
-//! What a cell is drawn on: the growing graph of local streets and the walls around it.
+//! The canvas of a cell: the growing graph of local streets and the walls around it, with the indices that find obstacles
+//! by place.
 
 use super::bands::Bands;
 use super::free_grid::FreeGrid;
@@ -14,10 +15,10 @@ use glam::{DVec2, Vec2};
 /// Least distance between a street's pavement and that of a border street, in metres.
 pub const WALL_MARGIN: f64 = 4.0;
 
-/// Room for the edges of a cell; most have no more.
+/// Number of edges for which memory is reserved; most cells have fewer.
 const USUAL: usize = 512;
 
-/// Least distance from an open side of the cell.
+/// Least distance of streets from a side of the cell without a main street, in metres.
 const OPEN_SIDE: f64 = 14.0;
 
 /// What a filler made an edge with.
@@ -31,26 +32,26 @@ pub enum Maker {
     Piece(u32),
 }
 
-/// What is known of a vertex beside its position.
+/// What a filler knows of a vertex besides its position.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Node {
-    /// Index into the brief's ports, for the vertex at a port.
+    /// Index into the ports of the brief, if the vertex is a port.
     pub port: Option<usize>,
     /// Whether the network may go on here. False for the ends of cul-de-sacs.
     pub open: bool,
     /// Number of streets that growth aims at here.
     pub wanted_degree: usize,
-    /// Whether it belongs to a pinned patch, of which nothing may be removed.
+    /// Whether the vertex belongs to a pinned piece, from which nothing may be removed.
     pub pinned: bool,
 }
 
-/// Where an edge was divided.
+/// The place where an edge was divided.
 #[derive(Clone, Copy)]
 struct Division {
     at: DVec2,
-    /// From its first end to its last.
+    /// Vector from the first end of the edge to the last.
     along: DVec2,
-    /// The first of its parts; the next edge is the other.
+    /// The first part of the edge; the other part is the next edge.
     first: EdgeIx,
 }
 
@@ -58,28 +59,28 @@ struct Division {
 pub struct Canvas {
     /// Local streets.
     pub graph: PlanarGraph<Maker>,
-    /// What is known of each vertex.
+    /// What is known of each vertex, by index.
     pub nodes: Vec<Node>,
     /// Free room around every point.
     pub free: FreeGrid,
-    /// The walls and after them the edges, by index; those of removed edges stay.
+    /// The walls, and after them every edge that was ever built, by index.
     obstacles: Vec<Obstacle>,
-    /// Their numbers by place.
+    /// Index of the obstacles that overlap a box.
     bands: Bands,
-    /// The same along a ray.
+    /// Index of the obstacles along a ray.
     squares: Squares,
     /// Number of walls.
     walls: usize,
-    /// By edge, where it was divided.
+    /// For each edge, where it was divided.
     divisions: Vec<Option<Division>>,
-    /// Whether the streets at the ports are stamped.
+    /// Whether the coarse grid knows the streets at the ports.
     knows_stubs: bool,
     origin: DVec2,
 }
 
 impl Canvas {
-    /// The canvas of a cell, with a vertex at each port, in their order, and no street yet. `asked` is the greatest
-    /// distance that will be asked of [`Canvas::free`].
+    /// The canvas of a cell without streets. The first vertices are the ports, in their order. `asked` is the greatest
+    /// distance in metres that [`Canvas::free`] will be asked about.
     pub fn new(brief: &CellBrief<'_>, asked: f64) -> Self {
         let n = brief.border.len();
         let origin = brief.border.first().copied().unwrap_or_default();
@@ -120,13 +121,13 @@ impl Canvas {
         self.graph.add_vertex(at)
     }
 
-    /// Adds the stub of a port. The coarse grid learns of it when the streets at the ports are laid.
+    /// Adds the stub of a port. The coarse grid learns of stubs in [`stamp_stubs`](Self::stamp_stubs).
     pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
         self.graph.add_edge(port, end, Maker::Growth);
         self.index_edges();
     }
 
-    /// Puts the youngest edges among the obstacles.
+    /// Adds the edges that are not obstacles yet to the obstacles.
     fn index_edges(&mut self) {
         for edge in self.obstacles.len() - self.walls..self.graph.edge_count() {
             // Every edge is indexed before it can be removed.
@@ -135,7 +136,7 @@ impl Canvas {
         }
     }
 
-    /// Puts an obstacle in its place among the others, of which one there is already goes.
+    /// Stores an obstacle under its number, in place of an older one.
     fn put(&mut self, number: usize, s: Obstacle) {
         self.squares.put(number as u32, s.a, s.b);
         self.bands.put(number, Bounds::of([s.a, s.b]));
@@ -159,13 +160,13 @@ impl Canvas {
         self.free.stamp(self.obstacles.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
-    /// Adds an edge to the finished cell, of which the coarse grid is asked no more.
+    /// Adds an edge when the coarse grid is no longer needed.
     pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: Maker) {
         self.graph.add_edge(a, b, made_by);
         self.index_edges();
     }
 
-    /// Moves a vertex of the finished cell, of which the coarse grid is asked no more.
+    /// Moves a vertex when the coarse grid is no longer needed.
     pub fn move_vertex(&mut self, v: VertexIx, to: DVec2) {
         self.graph.move_vertex(v, to);
         for i in 0..self.graph.degree(v) {
@@ -174,7 +175,7 @@ impl Canvas {
         }
     }
 
-    /// Puts a vertex at `p` on an edge, or on the part of it that is still there.
+    /// Divides an edge at `p` and returns the new vertex. If the edge was divided before, its nearest part is divided.
     pub fn split_edge(&mut self, edge: EdgeIx, p: DVec2) -> Option<VertexIx> {
         let p = quantize(p);
         let edge = if self.graph.is_live(edge) { edge } else { self.graph.nearest_edge(p, 0.5, |_| false)?.0 };
@@ -193,7 +194,7 @@ impl Canvas {
         Some(v)
     }
 
-    /// Whether streets end or divide at `v`, or a main street passes: not a mere point of inflexion.
+    /// Whether a street ends at `v`: every vertex but a point of inflexion.
     pub fn is_end(&self, v: VertexIx) -> bool {
         self.graph.degree(v) != 2 || self.nodes[v as usize].port.is_some()
     }
@@ -203,7 +204,8 @@ impl Canvas {
         self.graph.degree(v) == 1 && self.nodes[v as usize].port.is_none()
     }
 
-    /// Follows the street from `v` along `edge` to where it ends: that vertex, and the length. `visit` sees each edge.
+    /// Follows the street from `v` along `edge` to its end; returns the vertex there and the length in metres. `visit` is
+    /// called with each edge.
     pub fn follow(&self, v: VertexIx, edge: EdgeIx, mut visit: impl FnMut(EdgeIx)) -> (VertexIx, f64) {
         let (mut at, mut edge, mut length) = (v, edge, 0.0);
         loop {
@@ -221,12 +223,12 @@ impl Canvas {
         }
     }
 
-    /// Whether there is surely nothing within `distance` of `p`; false where that is not known.
+    /// Whether there is surely no obstacle within `distance` of `p`; false if the coarse grid cannot tell.
     pub fn is_clear(&self, p: DVec2, distance: f64) -> bool {
         self.knows_stubs && self.free.at(p) > FreeGrid::most(distance)
     }
 
-    /// Tells the coarse grid of the streets at the ports.
+    /// Adds the stubs at the ports to the coarse grid.
     pub fn stamp_stubs(&mut self, ports: &[CellPort]) {
         for (i, port) in ports.iter().enumerate() {
             let edge = self.graph.edges_at(i as VertexIx).first().copied().unwrap_or_default();
@@ -235,8 +237,8 @@ impl Canvas {
         self.knows_stubs = true;
     }
 
-    /// About the obstacle that is nearest to a place [counted in squares](FreeGrid::in_squares); `None` where that is no
-    /// longer there.
+    /// The obstacle nearest to a place [counted in squares](FreeGrid::in_squares), to the precision of the coarse grid;
+    /// `None` if that obstacle was removed.
     pub fn nearest(&self, square: Vec2) -> Option<&Obstacle> {
         let mut number = self.free.nearest_at_square(square)?;
         while let Some(&Some(d)) = self.divisions.get(number.wrapping_sub(self.walls)) {
@@ -256,7 +258,7 @@ impl Canvas {
         s.is_wall() || self.graph.is_live(s.edge)
     }
 
-    /// Collects what lies within `reach` of the segment or point `of` into `near`.
+    /// Collects the obstacles within `reach` metres of the box `of`, and the dead ends among them, into `near`.
     pub fn gather(&self, of: Bounds, reach: f64, near: &mut Neighbourhood) {
         self.gather_obstacles(of.grown(reach), near);
         near.loose_ends.clear();
@@ -265,7 +267,7 @@ impl Canvas {
         }
     }
 
-    /// Collects the walls and streets that overlap a box into `near`; its dead ends stay as they are.
+    /// Collects the obstacles that overlap a box into `near`; the dead ends in `near` stay as they are.
     pub fn gather_obstacles(&self, bounds: Bounds, near: &mut Neighbourhood) {
         near.origin = self.origin;
         near.within = near.reach(bounds.min, bounds.max);
@@ -279,14 +281,14 @@ impl Canvas {
         self.obstacles[..self.walls].iter().filter(move |s| s.hull.overlaps(reach))
     }
 
-    /// The walls and streets that overlap a box.
+    /// The obstacles that overlap a box.
     pub fn overlapping(&self, bounds: Bounds) -> impl Iterator<Item = &Obstacle> {
         let reach = Window::new(bounds.min, bounds.max, self.origin);
         let may_overlap = self.bands.within(bounds).map(|number| &self.obstacles[number]);
         may_overlap.filter(move |s| s.hull.overlaps(reach) && self.is_there(s))
     }
 
-    /// Collects the dead ends of streets within `reach` of `of` into `near`, without the streets.
+    /// Collects the dead ends within `reach` metres of the box `of` into `near`, and no obstacles.
     pub fn gather_loose_ends(&self, of: Bounds, reach: f64, near: &mut Neighbourhood) {
         let bounds = of.grown(reach);
         near.obstacles.clear();
@@ -316,8 +318,8 @@ impl Canvas {
         LooseEnd { v, at, onward: (at - from).normalize_or_zero(), open: self.nodes[v as usize].open }
     }
 
-    /// First obstacle among those that overlap `within` that the segment `from`-`to` meets, with the parameter and position
-    /// on the segment. What ends at the vertex `leaving` is left out, and the walls that `from` lies on then.
+    /// The first obstacle within the window that the segment `from`-`to` meets, with the parameter and the position of the
+    /// meeting point on the segment. Streets that end at the vertex `leaving` are ignored, and so are the walls at it.
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx, within: Window) -> Option<(Obstacle, f64, DVec2)> {
         let mut ray = Ray::new(from, to, leaving, self.origin);
         self.squares.along(from, to, |number, end| {
@@ -338,7 +340,7 @@ impl Canvas {
         self.obstacles[..self.walls].iter().map(|w| (w.a, w.b))
     }
 
-    /// Removes the street that ends at the dead end `v`, back to where it began; that vertex and the length removed.
+    /// Removes the street that ends at the dead end `v`; returns the vertex where the street began.
     pub fn remove_dead_end(&mut self, v: VertexIx) -> Option<VertexIx> {
         let first = *self.graph.edges_at(v).first()?;
         let mut edges = Vec::new();
@@ -349,7 +351,7 @@ impl Canvas {
         Some(end)
     }
 
-    /// Builds a proposal that was checked; the vertices of its points.
+    /// Builds a proposal that passed the check; `vertices` receives the vertex of each of its points.
     pub fn build(&mut self, p: &Proposal, made_by: Maker, vertices: &mut Vec<VertexIx>) {
         vertices.clear();
         for (at, join) in p.points.iter().zip(&p.joins) {
@@ -367,13 +369,13 @@ impl Canvas {
         }
     }
 
-    /// Direction from `v` along its only or first edge, reversed: the way straight on.
+    /// Unit direction in which the first street at `v` would go straight on.
     pub fn onward(&self, v: VertexIx) -> Option<DVec2> {
         let w = self.graph.neighbours(v).next()?;
         Some((self.graph.at(v) - self.graph.at(w)).normalize_or_zero())
     }
 
-    /// What made the greatest part of a chain.
+    /// What made the greatest part of a street, by length.
     pub fn maker(&self, chain: &[(EdgeIx, bool)]) -> Maker {
         let g = &self.graph;
         if let [(e, _)] = chain {

@@ -1,5 +1,5 @@
-//! Every street of a cell, from a patch, from growth or from repair, is checked here against the same rules before it is
-//! built (the connect and clip checks of Teng 2017, section 3.3), so the rules hold for the finished cell.
+//! The check that every street passes before it is built, whether a piece, growth or repair proposes it (the connect and clip
+//! checks of Teng 2017, section 3.3). Therefore the rules hold for the finished cell.
 
 use super::canvas::Canvas;
 use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
@@ -11,19 +11,20 @@ use crate::seam::STUB_LENGTH;
 use crate::space::segment_crossing;
 use glam::DVec2;
 
-/// Least distance of a dead end from any street that it does not join.
+/// Least distance of a dead end from any street that it does not join, in metres.
 pub const DEAD_END_FLOOR: f64 = 13.0;
 
-/// Distance from a loose end that may still be led into the street: room for a street of the least length.
+/// Distance at which a street may pass a loose end that can still be connected to it, in metres: room for the shortest
+/// street.
 const TIP_GAP: f64 = 19.0;
 
-/// Streets may be near each other where they are near along the network as well: at this share of that distance.
+/// Least ratio of the distance between two streets to their distance along the network, where that distance is short.
 pub const WEDGE: f64 = 0.5;
 
-/// More than the rounding errors of distances, in metres.
+/// Tolerance in metres, larger than the rounding errors of distances.
 const ROUNDING: f64 = 1e-6;
 
-/// A point of a proposal's edge that may be too near a point of an obstacle: that depends on ways along the network.
+/// A point of a proposal's edge that may be too near to a point of an obstacle. Distances along the network decide.
 struct Doubt {
     index: usize,
     obstacle: usize,
@@ -33,7 +34,7 @@ struct Doubt {
     distance: f64,
 }
 
-/// Checks proposals; keeps its buffers between them.
+/// Checks proposals, and keeps its buffers from one proposal to the next.
 #[derive(Default)]
 pub struct Checker {
     joints: Vec<Joint>,
@@ -42,15 +43,15 @@ pub struct Checker {
     degrees: Vec<u8>,
     frontier: Vec<(VertexIx, f64)>,
     doubts: Vec<Doubt>,
-    /// For each edge and vertex the search that saw it last, and its place there.
+    /// For each edge and each vertex, the last search that saw it and its place in the results of that search.
     edges_seen: Vec<(u32, u32)>,
     vertices_seen: Vec<(u32, u32)>,
     search: u32,
 }
 
 impl Checker {
-    /// Whether `p` may be built: it keeps to `limits` towards everything in `near`, which must hold all that lies
-    /// within the gaps around it. A proposal must keep the rules inside itself.
+    /// Whether `p` may be built: it keeps to `limits` towards every obstacle in `near`, which must hold all obstacles within
+    /// the gaps around it. Whether a proposal keeps the rules towards itself is not checked.
     pub fn check(&mut self, canvas: &Canvas, p: &Proposal, near: &Neighbourhood, limits: &Limits) -> bool {
         self.doubts.clear();
         // Ways along the network cost the most, and most proposals fail without.
@@ -63,7 +64,7 @@ impl Checker {
                 .all(|d| d.distance >= self.needed(d.index, &near.obstacles[d.obstacle], d.q, d.r, d.loose, limits))
     }
 
-    /// Finds the joints; false where one of them breaks a rule.
+    /// Finds the joints. False if one of them breaks a rule.
     fn find_joints(&mut self, canvas: &Canvas, p: &Proposal, limits: &Limits) -> bool {
         self.spare.append(&mut self.joints);
         self.roots.clear();
@@ -100,8 +101,8 @@ impl Checker {
         true
     }
 
-    /// Finds what is near the joints along the network; false where a street that is divided or a way around a block
-    /// breaks a rule.
+    /// Measures distances along the network from the joints. False if a street that a joint divides breaks a rule, or if the
+    /// way around a block is too short.
     fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Neighbourhood, limits: &Limits) -> bool {
         // Of a way to what is too near as the crow flies no more than makes it far enough.
         let enough =
@@ -187,7 +188,7 @@ impl Checker {
         }
     }
 
-    /// Finds what is near a joint along the network, up to `reach`.
+    /// Measures the distances along the network from a joint, up to `reach` metres.
     fn measure_around(&mut self, canvas: &Canvas, joint: &mut Joint, reach: f64) {
         let g = &canvas.graph;
         joint.reached.clear();
@@ -253,8 +254,8 @@ impl Checker {
         joint.reached.sort_unstable_by_key(|x| x.edge);
     }
 
-    /// Whether an edge of the proposal keeps away from all obstacles, as far as that can be told without ways along the
-    /// network; where it cannot, that is noted.
+    /// Whether an edge of the proposal keeps its distance from all obstacles. If only distances along the network can tell,
+    /// the pair of points is added to the doubts.
     fn edge_fits(
         &mut self,
         canvas: &Canvas,
@@ -333,7 +334,7 @@ impl Checker {
                     continue 'obstacles;
                 }
             }
-            if !s.is_beside(a, b - a) && segment_crossing(a, b, s.a, s.b).is_some() {
+            if !s.lies_beside(a, b - a) && segment_crossing(a, b, s.a, s.b).is_some() {
                 return false;
             }
             let loose = [open_a, open_b, dead(s.va), dead(s.vb)];
@@ -358,7 +359,7 @@ impl Checker {
         true
     }
 
-    /// No more than [`needed`](Self::needed): ways along the network are at least as long as straight lines.
+    /// A lower bound of [`needed`](Self::needed): distances along the network are at least straight distances.
     fn surely_needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let mut from_port = false;
@@ -377,7 +378,7 @@ impl Checker {
         if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
     }
 
-    /// Distance that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
+    /// Distance in metres that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
     fn needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let (mut shared, mut from_port) = (false, false);
@@ -404,13 +405,14 @@ impl Checker {
     }
 }
 
-/// No less than [`Checker::needed`]: what is asked of streets that are far apart along the network.
+/// An upper bound of [`Checker::needed`]: the distance that streets keep if they are far apart along the network.
 fn surely_enough(s: &Obstacle, loose: bool, limits: &Limits) -> f64 {
     let enough = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap.max(STREET_FLOOR) };
     if loose { enough.max(DEAD_END_FLOOR) } else { enough }
 }
 
-/// Finds the edges of the street that a joint is on, and of what that meets at the ends that the proposal goes on from.
+/// Finds the edges of the street that a joint lies on, and of the streets that it meets at the ends from which the proposal
+/// goes on.
 fn find_shared(canvas: &Canvas, joint: &mut Joint) {
     let g = &canvas.graph;
     joint.shared.clear();

@@ -1,4 +1,4 @@
-//! Blocks that came out much larger than the style's streets are long are divided by a street across them.
+//! Division: a street is laid across every block that is much larger than the style asks.
 
 use super::checker::WEDGE;
 use super::draft::Draft;
@@ -16,28 +16,29 @@ use glam::DVec2;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Streets across a block of which it is found where they end, and so many of them together, of which the best is built.
+/// Number of places from which a street across a block is tried.
 const LOOKED_AT: usize = 15;
 
+/// Number of these places that compete with each other at a time.
 const TOGETHER: usize = 5;
 
-/// Angle to square of streets that are laid aslant across a block, in radians.
+/// Angle off square at which streets are laid aslant across a block, in radians.
 const SLANT: f64 = 0.3;
 
-/// Where a street across a block may begin.
+/// A place where a street across a block may begin.
 struct Start {
     cost: f64,
     from: DVec2,
-    /// Direction square to the street that it leaves.
+    /// Unit direction square to the street at which it begins.
     square: DVec2,
     way: DVec2,
-    /// From the one to the other.
+    /// Angle from `square` to `way`, in radians.
     angle: f64,
-    /// The street that it leaves.
+    /// The edge at which it begins.
     edge: EdgeIx,
 }
 
-/// Divides blocks that are much larger than the style's; how many streets it added.
+/// Divides blocks that are much larger than the style asks; returns how many streets were added.
 pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
     let length = draft.rules.local.length;
     let most = 2.6 * length * length;
@@ -56,8 +57,8 @@ pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
     added
 }
 
-/// Lays a street across a block, from one of its local streets to another. `sides` is the number of blocks at each edge
-/// of the graph; younger edges are missing there.
+/// Lays a street across a block, from one of its local streets to another. `sides` has the number of blocks at each edge of
+/// the graph; edges built since then are missing.
 fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &[u8]) -> bool {
     let bounds = Bounds::of(face.polygon.iter().copied());
     draft.canvas.gather(bounds, 20.0, &mut draft.trial.near);
@@ -88,7 +89,7 @@ fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &
     })
 }
 
-/// Where streets across a block may begin, the best first, as far as the coarse grid tells what they cost.
+/// The places where a street across a block may begin, the cheapest first. Costs are estimated with the coarse grid.
 fn starts_across(draft: &Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], reach: f64, middle: DVec2) -> Vec<Start> {
     let mut starts: Vec<Start> = Vec::with_capacity(4 * edges.len());
     for (i, edge) in edges.iter().enumerate() {
@@ -124,12 +125,14 @@ fn starts_across(draft: &Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], reach
     starts
 }
 
-/// What a street across a block costs, of this length and at this angle to square; the more the farther from its middle.
+/// The cost of a street across a block: it grows with the length, with the angle off square, and with the distance from the
+/// middle of the block.
 fn cost_across(from: DVec2, end: DVec2, distance: f64, angle: f64, middle: DVec2) -> f64 {
     distance * (1.0 + 0.5 * angle.abs()) + 1.5 * ((from + end) / 2.0).distance(middle)
 }
 
-/// Faces between local streets and the border, each with the local edge of every step of its walk.
+/// The blocks: faces between local streets and the border. For every step of its walk, each has the local edge, if there is
+/// one.
 fn blocks(draft: &Draft<'_>) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
     let local = &draft.canvas.graph;
     let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
@@ -181,8 +184,8 @@ fn blocks(draft: &Draft<'_>) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
         .collect()
 }
 
-/// Quick and coarse: false when a street from `from` to `to`, where it meets others, surely comes too near something on its
-/// way.
+/// A quick test on the coarse grid: false if a street from `from` to `to`, which meets a street at both ends, surely comes too
+/// near to an obstacle on its way.
 fn way_is_roughly_free(free: &FreeGrid, from: DVec2, to: DVec2, limits: &Limits) -> bool {
     let length = from.distance(to);
     [0.3, 0.5, 0.7].into_iter().all(|share: f64| {

@@ -1,5 +1,5 @@
-//! Fairing: the doglegs that streets take to meet a port or each other go, and junctions move to where streets go straight on
-//! across them. What would break a rule of the [refit](super::refit) stays as it was.
+//! Fairing: doglegs, which streets take to meet a port or each other, are straightened, and junctions move to where streets
+//! cross them straight. A change that breaks a rule of the [refit](super::refit) is not made.
 
 use super::draft::Draft;
 use super::refit::{Line, Refit};
@@ -7,19 +7,19 @@ use crate::network::{EdgeIx, VertexIx};
 use crate::space::{distance_to_segment, quantize};
 use glam::DVec2;
 
-/// Greatest cosine of the angle between two streets of which one goes on as the other.
+/// Greatest cosine of the angle between two streets at a junction of which one continues the other.
 const THROUGH: f64 = -0.87;
 
-/// Metres from which moving a junction is worth it.
+/// Least distance that a junction is moved, in metres.
 const WORTH: f64 = 0.5;
 
-/// Rounds in which it is seen where junctions would come to lie: one that has moved lets its neighbours move.
+/// Number of rounds in which the new places of junctions are found: a junction that moves lets its neighbours move.
 const ROUNDS: usize = 3;
 
-/// Streets at a junction that may be moved, at most.
+/// Greatest number of streets at a junction that may be moved.
 const MOST_ARMS: usize = 6;
 
-/// Makes the streets of the finished cell fair, where the style's streets do not wind.
+/// Makes the streets of a repaired cell fair, unless streets may wind there.
 pub fn make_fair(draft: &mut Draft<'_>) {
     if draft.rules.dogleg > 0.0 {
         let mut fairing = Fairing {
@@ -36,15 +36,15 @@ pub fn make_fair(draft: &mut Draft<'_>) {
     }
 }
 
-/// The refit of a whole cell.
+/// The fairing of one cell.
 struct Fairing<'d> {
     refit: Refit<'d>,
-    /// Greatest distance of a street that is straightened from straight, in metres.
+    /// Greatest distance between a street and its chord at which the street is straightened, in metres.
     dogleg: f64,
 }
 
 impl Fairing<'_> {
-    /// Lays streets straight from end to end that are within [`Fairing::dogleg`] of it.
+    /// Straightens streets that lie within [`Fairing::dogleg`] of the line between their ends.
     fn straighten_streets(&mut self) {
         for chain in self.refit.canvas.graph.chains(|v| self.refit.canvas.is_end(v)) {
             if chain.len() == 1 {
@@ -77,7 +77,7 @@ impl Fairing<'_> {
         }
     }
 
-    /// Moves junctions to where the streets that go on across them do so straight.
+    /// Moves junctions to where streets cross them straight.
     fn align_junctions(&mut self) {
         // First it is seen where all would come to lie if all could, then each is moved there, and then those next to one
         // that could not.
@@ -113,7 +113,7 @@ impl Fairing<'_> {
         }
     }
 
-    /// Moves the junction `v` if that is worth it and keeps the rules.
+    /// Moves the junction `v` if the distance is worth it and no rule is broken; returns whether it moved.
     fn move_junction(&mut self, v: VertexIx, to: DVec2) -> bool {
         let g = &self.refit.canvas.graph;
         let at = g.at(v);
@@ -140,8 +140,8 @@ impl Fairing<'_> {
         fits
     }
 
-    /// Where the streets that go on across the junction `v` do so straight, with all vertices at these places; `None` where
-    /// none does, where it is too far and for what may not move.
+    /// The place at which streets cross the junction `v` straight if all vertices lie at `places`. `None` if no street crosses
+    /// it, if the place is too far away, or if the junction may not move.
     fn straight_on(&self, v: VertexIx, places: &[DVec2]) -> Option<DVec2> {
         let node = self.refit.canvas.nodes[v as usize];
         let g = &self.refit.canvas.graph;

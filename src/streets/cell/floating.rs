@@ -1,4 +1,4 @@
-//! What floats: streets that hang together with no port are connected.
+//! Floating streets: streets that no way connects to a port are connected to the rest.
 
 use super::draft::Draft;
 use super::mend::{Mend, build_best, landing};
@@ -9,10 +9,10 @@ use crate::network::{EdgeIx, VertexIx};
 use crate::space::{Bounds, math::rotate};
 use glam::DVec2;
 
-/// Connections that are checked exactly.
+/// Number of connections that are checked exactly.
 const TRIES: usize = 60;
 
-/// Which of `anchors`, vertices of the graph, no way leads to from a port, by their places in the list.
+/// The indices of those `anchors`, vertices of the graph, that no way connects to a port.
 pub fn floating(draft: &Draft<'_>, anchors: &[VertexIx]) -> Vec<usize> {
     if anchors.is_empty() {
         return Vec::new();
@@ -21,12 +21,12 @@ pub fn floating(draft: &Draft<'_>, anchors: &[VertexIx]) -> Vec<usize> {
     (0..anchors.len()).filter(|i| floats(draft, &components, anchors[*i])).collect()
 }
 
-/// Whether no way leads from the vertex `v` to a port.
+/// Whether no way connects the vertex `v` to a port.
 fn floats(draft: &Draft<'_>, components: &[Option<u32>], v: VertexIx) -> bool {
     !components[..draft.brief.ports.len()].contains(&components[v as usize])
 }
 
-/// Connects what hangs together with one of `anchors` but with no port.
+/// Connects the streets around each of `anchors` to the rest of the network where no way connects them to a port.
 pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
     for _ in 0..anchors.len() {
         let components = draft.canvas.graph.components();
@@ -39,8 +39,8 @@ pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
     }
 }
 
-/// Builds the best street from the component `part` of the graph to any other, from an end or from the side of one of
-/// its streets.
+/// Builds the cheapest street from the component `part` of the graph to another component. It begins at a dead end or at the
+/// side of a street.
 fn connect_part(draft: &mut Draft<'_>, components: &[Option<u32>], part: Option<u32>, limits: &Limits) -> bool {
     let g = &draft.canvas.graph;
     let of_part: Vec<EdgeIx> = g.edges().filter(|(_, e)| components[e.a as usize] == part).map(|(i, _)| i).collect();

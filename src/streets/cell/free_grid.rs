@@ -1,5 +1,5 @@
-//! A coarse grid of the free room around every point of a cell: what lets most placements be turned down in a few
-//! nanoseconds, before anything exact is computed.
+//! A coarse grid of the distance to the nearest obstacle. It rules out most placements in a few nanoseconds, before anything
+//! exact is computed.
 
 use crate::space::Bounds;
 use glam::{DVec2, Vec2, Vec4};
@@ -7,32 +7,32 @@ use glam::{DVec2, Vec2, Vec4};
 /// Edge of a grid square, in metres.
 pub const STEP: f64 = 6.0;
 
-/// Squares that are done at once.
+/// Number of squares that are computed at once.
 const LANES: usize = 4;
 
-/// Greatest difference between the room at a point and at the middle of its square.
+/// Greatest difference between the room at a point and the room at the middle of its square, in metres.
 const SLACK: f64 = STEP * 0.71;
 
-/// Square of the distance to the nearest obstacle at the middle of every grid square, up to a cap; 0 outside the cell.
+/// The room at the middle of every grid square: the distance to the nearest obstacle, squared, up to a cap, and 0 outside the
+/// cell.
 ///
-/// This is the approximation of the work area that Teng 2017, section 3.3, filters patches with.
+/// It approximates the work area by which Teng 2017, section 3.3, filters patches.
 pub struct FreeGrid {
     origin: DVec2,
     /// The numbers of columns and rows.
     size: Vec2,
     rows: usize,
-    /// Squares from one row to the next, a multiple of [`LANES`]; what is beyond the last column is as outside.
+    /// Number of squares from one row to the next, a multiple of [`LANES`]. Squares beyond the last column are outside.
     stride: usize,
     room: Vec<f32>,
-    /// Number of the obstacle that this is the distance to; whole numbers, so that they are chosen together with the
-    /// distances.
+    /// Number of the nearest obstacle, as a float so that it is selected together with the distance.
     nearest: Vec<f32>,
     cap: f64,
 }
 
 impl FreeGrid {
-    /// The grid of an empty cell; the border itself is not stamped yet. `asked` is the greatest distance that will be asked
-    /// for.
+    /// The grid of a cell without obstacles; not even its border is stamped. `asked` is the greatest distance in metres that
+    /// the grid will be asked about.
     pub fn new(border: &[DVec2], asked: f64) -> Self {
         // More room than that makes no difference, nor does rounding.
         let cap = (asked - SLACK).max(0.0) + 0.1;
@@ -61,7 +61,7 @@ impl FreeGrid {
         Self { origin: bounds.min, size, rows, stride, room, nearest, cap }
     }
 
-    /// Takes the obstacle `number`, the segment `a`-`b`, into account.
+    /// Adds the obstacle `number`, which is the segment `a`-`b`.
     pub fn stamp(&mut self, number: usize, a: DVec2, b: DVec2) {
         let low = ((a.min(b) - self.cap - self.origin) / STEP).floor().max(DVec2::ZERO);
         let high = ((a.max(b) + self.cap - self.origin) / STEP).ceil().max(DVec2::ZERO);
@@ -90,8 +90,8 @@ impl FreeGrid {
         }
     }
 
-    /// Square of the room at the square of `p`, whose root is within [`SLACK`] of the distance to the nearest obstacle, or
-    /// the cap; 0 outside.
+    /// The room at `p`, squared. Its root is within [`SLACK`] of the distance to the nearest obstacle, up to the cap; it is 0
+    /// outside the cell.
     pub fn at(&self, p: DVec2) -> f32 {
         self.at_square(self.in_squares(p))
     }
@@ -111,25 +111,25 @@ impl FreeGrid {
         self.index(square).map_or(0.0, |i| self.room[i])
     }
 
-    /// Index of the square at a place counted in squares, unless that is outside.
+    /// Index of the square at a place counted in squares; `None` outside the grid.
     fn index(&self, square: Vec2) -> Option<usize> {
         let inside = square.x >= 0.0 && square.y >= 0.0 && square.x < self.size.x && square.y < self.size.y;
         inside.then(|| square.y as i32 as usize * self.stride + square.x as i32 as usize)
     }
 
-    /// Number of the obstacle that is nearest to the square at a place [counted in squares](Self::in_squares), of those that
-    /// were stamped; 0 where none is in reach, `None` outside.
+    /// Number of the stamped obstacle nearest to a place [counted in squares](Self::in_squares); 0 if none is in reach, `None`
+    /// outside the grid.
     pub fn nearest_at_square(&self, square: Vec2) -> Option<usize> {
         Some(self.nearest[self.index(square)?] as usize)
     }
 
-    /// The place that is [`in_squares`](Self::in_squares) there.
+    /// The position of a place [counted in squares](Self::in_squares).
     pub fn place(&self, square: Vec2) -> DVec2 {
         self.origin + square.as_dvec2() * STEP
     }
 
-    /// About how far it is from streets at these places in these directions to what is met next, up to `reach`. Several at
-    /// once take little longer than one.
+    /// For each ray, given by its start at a street and its direction: the approximate distance to the next obstacle, up to
+    /// `reach` metres. Several rays at once take little longer than one.
     pub fn ahead<const N: usize>(&self, rays: [(DVec2, DVec2); N], reach: f64) -> [f64; N] {
         let (slack, reach) = (SLACK as f32, reach as f32);
         let rays = rays.map(|(from, direction)| (self.in_squares(from), Self::step_in_squares(direction)));
@@ -146,17 +146,17 @@ impl FreeGrid {
         far.map(|far| f64::from(far.min(reach)))
     }
 
-    /// Where [`at`](Self::at) is no more than this, a line through the point may meet an obstacle within half a square.
+    /// If [`at`](Self::at) is at most this, a line through the point may meet an obstacle within half a square.
     pub const MEETS: f32 = ((SLACK + 0.5 * STEP) * (SLACK + 0.5 * STEP)) as f32;
 
-    /// Where [`at`](Self::at) is more than this, no obstacle is nearer than `distance`.
+    /// If [`at`](Self::at) is greater than this, no obstacle is nearer than `distance` metres.
     pub fn most(distance: f64) -> f32 {
         let most = (distance + SLACK) as f32;
         most * most
     }
 
-    /// Where [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance`, no more than what was to be asked, or
-    /// the place is outside.
+    /// If [`at`](Self::at) is less than this, an obstacle is surely nearer than `distance` metres, or the place is outside.
+    /// `distance` may not exceed the distance that the grid was made for.
     pub fn least(distance: f32) -> f32 {
         let least = (distance - SLACK as f32).max(0.0);
         least * least

@@ -1,4 +1,4 @@
-//! Where a proposal meets the graph, and how far everything else is from there along the network.
+//! Joints: the points where a proposal meets the graph, and distances from them along the network.
 
 use super::canvas::Canvas;
 use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest};
@@ -7,7 +7,7 @@ use super::rules::Limits;
 use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
 use glam::DVec2;
 
-/// An edge near a joint along the network, with the distances of its ends along the network.
+/// An edge near a joint, with the distances of its ends from the joint along the network, in metres.
 #[derive(Clone, Copy)]
 pub struct Reached {
     pub edge: EdgeIx,
@@ -16,7 +16,7 @@ pub struct Reached {
     pub from_b: f64,
 }
 
-/// Where a proposal meets the graph, and what is near there along the network.
+/// A point where a proposal meets the graph, and what is near to it along the network.
 #[derive(Default)]
 pub struct Joint {
     pub point: usize,
@@ -34,7 +34,8 @@ impl Joint {
         !s.is_wall() && ((self.vertex != NONE && s.ends_at(self.vertex)) || self.edge == s.edge)
     }
 
-    /// Distance to another joint along the network or the border streets between ports, if that is in reach.
+    /// Distance to another joint along local streets or along the main street between two ports, in metres; infinite if the
+    /// other joint is out of reach.
     pub fn way_to(&self, other: &Joint, canvas: &Canvas) -> f64 {
         let around = self.ports.iter().flat_map(|(p, d)| other.ports.iter().map(move |(q, e)| d + e + p.distance(*q)));
         let around = around.fold(f64::INFINITY, f64::min);
@@ -50,7 +51,7 @@ impl Joint {
         through.fold(around, f64::min)
     }
 
-    /// Distance along the network from the joint to the point `r` of an obstacle.
+    /// Distance along the network from the joint to the point `r` of an obstacle, in metres; infinite if it is out of reach.
     pub fn along(&self, s: &Obstacle, r: DVec2) -> f64 {
         if s.is_wall() {
             return self.ports.iter().map(|(p, d)| d + p.distance(r)).fold(f64::INFINITY, f64::min);
@@ -66,8 +67,8 @@ impl Joint {
     }
 }
 
-/// Whether a street that leaves `at` in `direction`, where it meets what is there by `join`, may do so beside the streets
-/// there.
+/// Whether a street may leave `at` in `direction` there, where it meets the graph by `join`: the angles to the other streets are
+/// wide enough, and the junction has room for one street more.
 pub fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2, limits: &Limits) -> bool {
     let g = &canvas.graph;
     let length = direction.length();
@@ -89,8 +90,8 @@ pub fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2
     }
 }
 
-/// Whether a street that a joint divides may be two: the parts no longer meet what the whole met at its ends, and so
-/// must keep away from it.
+/// Whether the street that a joint divides may become two. Each part must keep its distance from the streets that the whole
+/// street met at its other end.
 pub fn parts_stay_apart(joint: &Joint, near: &Neighbourhood) -> bool {
     near.obstacles.iter().all(|s| {
         s.is_wall()
@@ -99,7 +100,7 @@ pub fn parts_stay_apart(joint: &Joint, near: &Neighbourhood) -> bool {
     })
 }
 
-/// Whether a joint on a street, which may be the stub of a port, is as far from the border as junctions must be.
+/// Whether a joint on a street, which may be the stub of a port, is far enough from the border for a junction.
 pub fn keeps_off_walls(joint: &Joint, near: &Neighbourhood) -> bool {
     near.obstacles.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
 }

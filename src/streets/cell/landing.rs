@@ -1,4 +1,4 @@
-//! How a street ends among what is there: the snap and clip operations of Teng 2017, section 3.
+//! Landing: how a new street ends among existing ones. These are the snap and clip operations of Teng 2017, section 3.
 
 use super::canvas::Canvas;
 use super::obstacle::{NONE, Neighbourhood, Obstacle};
@@ -8,10 +8,10 @@ use crate::network::VertexIx;
 use crate::space::point_at;
 use glam::DVec2;
 
-/// A street that meets another this near to a point of inflexion meets it there, in metres.
+/// A street that meets another within this distance of a point of inflexion is led to that point, in metres.
 const AT_INFLEXION: f64 = 5.0;
 
-/// Finds where streets end among the obstacles near them.
+/// Finds where a street ends among the obstacles near it.
 #[derive(Clone, Copy)]
 pub struct Landing<'a> {
     /// The streets that are built.
@@ -25,7 +25,8 @@ pub struct Landing<'a> {
 }
 
 impl Landing<'_> {
-    /// First of the obstacles near that the segment `from`-`to` meets, as [`Canvas::ray`].
+    /// The first obstacle that the segment `from`-`to` meets, with the parameter and the position of the meeting point on the
+    /// segment. What ends at the vertex `leaving` is ignored.
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Obstacle, f64, DVec2)> {
         if self.near.obstacles.is_empty() {
             // Only dead ends were gathered.
@@ -35,9 +36,9 @@ impl Landing<'_> {
         }
     }
 
-    /// How a street along `line` ends: on a street or vertex that it meets or comes near, cut back from the border, or
-    /// at the end of the line, which is changed to that. `None` when too little is left of it. What ends at the vertex
-    /// `leaving` is ignored.
+    /// Settles the end of a street along `line`: on a street or vertex that it meets or comes near to, cut back from the
+    /// border, or at the end of the line. `line` is changed accordingly. `None` if too little is left of the street. Streets
+    /// that end at the vertex `leaving` are ignored.
     pub fn settle(&self, line: &mut Vec<DVec2>, leaving: VertexIx, limits: &Limits) -> Option<Join> {
         let snap = self.snap_radius;
         let mut before = 0.0;
@@ -83,8 +84,8 @@ impl Landing<'_> {
         Some(Join::Free(true))
     }
 
-    /// The loose end that a street from `from` can be led to with no more than a slight bend at either end: up to `ahead`
-    /// metres away, about where a street of `length` metres ends or beyond.
+    /// The loose end to which a street from `from` can be led with only a slight bend at either end. It lies about where a
+    /// street of `length` metres ends, or beyond, and at most `ahead` metres away.
     fn facing_end(
         &self,
         from: DVec2,
@@ -113,7 +114,7 @@ impl Landing<'_> {
     }
 }
 
-/// Where a street that meets the street `s` at `at` is led to: rather to a vertex than to a new junction next to it.
+/// Where a street that meets the street `s` at `at` ends: at a vertex close by if there is one, else in a new junction.
 pub fn landing_place(canvas: &Canvas, s: &Obstacle, at: DVec2, limits: &Limits) -> (DVec2, Join) {
     let next_to = |v: VertexIx| if canvas.is_end(v) { limits.min_piece } else { AT_INFLEXION };
     let vertex = [(s.va, s.a), (s.vb, s.b)]

@@ -1,4 +1,4 @@
-//! Streets that would mend the network: where they end, what they cost, and the cheapest that fits.
+//! Mends: streets that would repair the network. The cheapest that fits is built.
 
 use super::canvas::Maker;
 use super::draft::Draft;
@@ -9,29 +9,29 @@ use crate::space::math::angle_of;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 
-/// A street that would mend something, and what it costs.
+/// A street that would repair the network, with its cost.
 pub struct Mend {
-    /// What it costs: metres, more for what is not wanted.
+    /// Its cost: the length in metres, times penalties.
     pub cost: f64,
-    /// Its points; two of them where it is straight.
+    /// Its points; a straight street uses two of them.
     pub line: [DVec2; 3],
-    /// Number of its points.
+    /// Number of points.
     pub points: usize,
-    /// How it begins.
+    /// How its first point joins the network.
     pub first: Join,
-    /// How it ends.
+    /// How its last point joins the network.
     pub last: Join,
 }
 
 impl Mend {
-    /// The mend along a straight street.
+    /// A straight street.
     pub fn straight(cost: f64, from: DVec2, to: DVec2, first: Join, last: Join) -> Self {
         Self { cost, line: [from, to, to], points: 2, first, last }
     }
 }
 
-/// Where a street from `from` in `direction` first meets a local street within `reach`: there, or at a vertex next
-/// to it, with its distance, the greater the more aslant it lands. `line` is a buffer.
+/// Where a street from `from` in `direction` ends if it meets a local street within `reach` metres: the position, how it joins
+/// the network, and its length with penalties for landing aslant and for leaving the field. `line` is a buffer.
 pub fn landing(
     draft: &Draft<'_>,
     from: DVec2,
@@ -57,18 +57,18 @@ pub fn landing(
     Some((end, join, from.distance(end) * (1.0 + slant) * off_field(draft, from, end)))
 }
 
-/// What it costs more that the street from `from` to `end` does not follow the field: 1 for one that does.
+/// The penalty of the street from `from` to `end` for not following the field: 1 if it does.
 fn off_field(draft: &Draft<'_>, from: DVec2, end: DVec2) -> f64 {
     off_by(draft, angle_of(end - from) - draft.brief.field.angle(from.midpoint(end)))
 }
 
-/// The same for a street that heads at this angle to the field.
+/// The penalty of a street at the angle `off` to the field, in radians: 1 if it follows the field.
 pub fn off_by(draft: &Draft<'_>, off: f64) -> f64 {
     let off = off - (off / FRAC_PI_2).round() * FRAC_PI_2;
     1.0 + 2.5 * draft.rules.field_pull * off.abs()
 }
 
-/// Builds the cheapest of the given streets that keeps to `limits`; so many are tried.
+/// Builds the cheapest of `mends` that keeps to `limits`, after at most `tries` checks; returns whether one was built.
 pub fn build_best(draft: &mut Draft<'_>, mut mends: Vec<Mend>, limits: &Limits, tries: usize) -> bool {
     mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     for m in mends.into_iter().take(tries) {

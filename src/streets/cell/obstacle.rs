@@ -1,34 +1,34 @@
-//! The obstacles around a place, and what is met first among them.
+//! Obstacles: the street segments and border edges around a place, and which of them a ray meets first.
 
 use crate::network::{EdgeIx, VertexIx};
 use crate::space::{closest_on_segment, segment_crossing};
 use glam::{DVec2, Vec4};
 
-/// Least cross product, in square metres, of what is surely beside a line; rounding errors are far smaller.
+/// Least cross product, in square metres, that tells a point surely beside a line; rounding errors are far smaller.
 const BESIDE: f64 = 1e-6;
 
 /// Stands for "no edge" and "no vertex" in a [`Obstacle`].
 pub const NONE: u32 = u32::MAX;
 
-/// The box of a segment, or a little more, so that one instruction or two tell whether it overlaps another: the south-west
-/// corner and the north-east one with its signs changed, in single precision, from the canvas's origin.
+/// The bounding box of a segment, slightly enlarged, in single precision and from the canvas's origin. It holds the
+/// south-west corner and the negated north-east corner, so that one comparison of vectors tests for overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Hull(Vec4);
 
 impl Hull {
-    /// The box of the segment `a`-`b`.
+    /// The hull of the segment `a`-`b`.
     pub fn new(a: DVec2, b: DVec2, origin: DVec2) -> Self {
         let (low, high) = (a.min(b) - origin - HULL_MARGIN, a.max(b) - origin + HULL_MARGIN);
         Self(Vec4::new(low.x as f32, low.y as f32, -high.x as f32, -high.y as f32))
     }
 
-    /// False only where the boxes are surely apart.
+    /// False only if the segment surely lies outside the window.
     pub fn overlaps(self, reach: Window) -> bool {
         self.0.cmple(reach.0).all()
     }
 }
 
-/// A box to hold against [`Hull`]s: its north-east corner, and the south-west one with its signs changed.
+/// A box to test [`Hull`]s against: the north-east corner and the negated south-west corner.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Window(Vec4);
 
@@ -40,17 +40,17 @@ impl Window {
     }
 }
 
-/// How much a hull is larger than the box, in metres; far more than single precision loses within a cell.
+/// Margin of a hull around its segment, in metres; far more than single precision loses within a cell.
 const HULL_MARGIN: f64 = 0.02;
 
-/// An obstacle: a street segment or a wall.
+/// An obstacle: a segment of a street, or a wall, which is an edge of the cell's border.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle {
     /// First end.
     pub a: DVec2,
     /// Second end.
     pub b: DVec2,
-    /// Its box.
+    /// Its bounding box.
     pub hull: Hull,
     /// Edge of the graph, [`NONE`] for a wall.
     pub edge: EdgeIx,
@@ -58,7 +58,7 @@ pub struct Obstacle {
     pub va: VertexIx,
     /// Vertex at `b`, [`NONE`] for a wall.
     pub vb: VertexIx,
-    /// Least distance from a wall that nothing may fall below; 0 for streets.
+    /// Least distance in metres that every street keeps from a wall; 0 for streets.
     pub floor: f64,
 }
 
@@ -68,8 +68,8 @@ impl Obstacle {
         self.edge == NONE
     }
 
-    /// Whether it surely lies to one side of the line through `from` along `step`, by so much that no rounding matters.
-    pub fn is_beside(&self, from: DVec2, step: DVec2) -> bool {
+    /// Whether the obstacle lies to one side of the line through `from` along `step`, farther than any rounding error.
+    pub fn lies_beside(&self, from: DVec2, step: DVec2) -> bool {
         let (a, b) = (step.perp_dot(self.a - from), step.perp_dot(self.b - from));
         a.min(b) > BESIDE || a.max(b) < -BESIDE
     }
@@ -80,14 +80,14 @@ impl Obstacle {
     }
 }
 
-/// The obstacles around a place, copied together so that many proposals can be held against them.
+/// The obstacles around a place, copied so that many proposals can be tested against them.
 #[derive(Default)]
 pub struct Neighbourhood {
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// The dead ends among their ends.
+    /// The dead ends among the ends of the obstacles.
     pub loose_ends: Vec<LooseEnd>,
-    /// Where they were looked for.
+    /// The window in which the obstacles were gathered.
     pub within: Window,
     /// Origin of the hulls.
     pub origin: DVec2,
@@ -98,21 +98,21 @@ pub struct Neighbourhood {
 pub struct LooseEnd {
     /// The vertex.
     pub v: VertexIx,
-    /// Where it lies.
+    /// The position of the vertex.
     pub at: DVec2,
-    /// Unit direction in which its street would go on.
+    /// Unit direction in which the street would go on.
     pub onward: DVec2,
     /// Whether the network may go on here.
     pub open: bool,
 }
 
 impl Neighbourhood {
-    /// The box from `low` to `high`, to hold against the hulls of the obstacles.
+    /// The window from `low` to `high`, to test the hulls of the obstacles against.
     pub fn reach(&self, low: DVec2, high: DVec2) -> Window {
         Window::new(low, high, self.origin)
     }
 
-    /// First of these obstacles that the segment `from`-`to` meets, as [`Canvas::ray`].
+    /// The first of these obstacles that the segment `from`-`to` meets; see [`Ray`].
     pub fn ray(&self, from: DVec2, to: DVec2, leaving: VertexIx) -> Option<(Obstacle, f64, DVec2)> {
         let mut ray = Ray::new(from, to, leaving, self.origin);
         for (number, s) in self.obstacles.iter().enumerate() {
@@ -124,28 +124,29 @@ impl Neighbourhood {
     }
 }
 
-/// A segment and what it meets first, so far.
+/// A segment, and the first obstacle that it meets among the obstacles tried so far.
 pub struct Ray {
     from: DVec2,
     to: DVec2,
     leaving: VertexIx,
     origin: DVec2,
-    /// What lies beyond is not met first.
+    /// Window of the segment up to the first obstacle; obstacles outside cannot be met first.
     pub reach: Window,
     best: Option<(u32, Obstacle, f64, DVec2)>,
 }
 
 impl Ray {
-    /// From `from` to `to`, leaving the vertex `leaving`.
+    /// The segment from `from` to `to`. What ends at the vertex `leaving` is not met; [`NONE`] leaves no vertex.
     pub fn new(from: DVec2, to: DVec2, leaving: VertexIx, origin: DVec2) -> Self {
         let reach = Window::new(from.min(to), from.max(to), origin);
         Self { from, to, leaving, origin, reach, best: None }
     }
 
-    /// Takes an obstacle into account; where that is met, if it is the first so far. Of two that are met at once the lower number counts.
+    /// Tries an obstacle. Returns the point where the segment meets the obstacle if it is the first so far; of two obstacles
+    /// met at the same point, the one with the lower number is first.
     pub fn try_on(&mut self, number: u32, s: &Obstacle) -> Option<DVec2> {
         let (from, to) = (self.from, self.to);
-        if s.is_beside(from, to - from) {
+        if s.lies_beside(from, to - from) {
             return None;
         }
         // At a port, the main street is left as well.
@@ -164,7 +165,7 @@ impl Ray {
         first.then_some(x.at)
     }
 
-    /// What is met first: the obstacle, and parameter and position on the segment.
+    /// The first obstacle met, with the parameter and the position of the meeting point on the segment.
     pub fn met(self) -> Option<(Obstacle, f64, DVec2)> {
         self.best.map(|(_, s, t, at)| (s, t, at))
     }
@@ -175,8 +176,8 @@ pub fn nearest(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     closest_on_segment(p, a, b).1
 }
 
-/// Where two segments may come nearest to each other if they do not cross: each end and the point of the other nearest to it,
-/// as points of the first and of the second.
+/// The pairs of points at which two segments that do not cross may be nearest to each other: each end with the nearest point
+/// of the other segment, always the point of the first segment first.
 pub fn nearest_pairs((a, b): (DVec2, DVec2), (c, d): (DVec2, DVec2)) -> [(DVec2, DVec2); 4] {
     [(a, nearest(a, c, d)), (b, nearest(b, c, d)), (nearest(c, a, b), c), (nearest(d, a, b), d)]
 }

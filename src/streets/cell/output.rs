@@ -1,4 +1,4 @@
-//! The finished cell: chains of edges become streets with stable names.
+//! The finished cell: the graph becomes streets and junctions with stable ids.
 
 use super::canvas::Maker;
 use super::draft::Draft;
@@ -9,7 +9,7 @@ use crate::streets::filler::{CellStreets, LocalStreet, MadeBy, StreetOrigin};
 use glam::DVec2;
 use std::sync::Arc;
 
-/// A position on the quantum grid as words of a name.
+/// A position on the quantum grid as words of an id.
 fn words(p: DVec2) -> [u64; 2] {
     let grid = (p / QUANTUM).round();
     [grid.x as i64 as u64, grid.y as i64 as u64]

@@ -1,34 +1,34 @@
-//! Proposals: streets that could be added.
+//! Proposals: streets that may be added to a cell.
 
 use super::obstacle::nearest;
 use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
 use crate::space::{quantize, segment_crossing};
 use glam::DVec2;
 
-/// How a point of a proposal meets what is there.
+/// How a point of a proposal meets the streets that are built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Join {
-    /// It does not: a new vertex, and whether the network may go on from it.
+    /// The point is a new vertex; the flag says whether the network may go on from it.
     Free(bool),
-    /// It is this vertex.
+    /// The point is this vertex.
     At(VertexIx),
-    /// It divides this edge.
+    /// The point divides this edge.
     On(EdgeIx),
 }
 
-/// Streets that could be added.
+/// Streets that may be added to a cell.
 #[derive(Clone, Debug, Default)]
 pub struct Proposal {
     /// Points.
     pub points: Vec<DVec2>,
-    /// How each point meets what is there.
+    /// How each point meets the streets that are built.
     pub joins: Vec<Join>,
     /// Straight edges between points.
     pub edges: Vec<(usize, usize)>,
 }
 
 impl Proposal {
-    /// Empties it.
+    /// Removes all points and edges.
     pub fn clear(&mut self) {
         self.points.clear();
         self.joins.clear();
@@ -41,7 +41,7 @@ impl Proposal {
         self.joins.push(join);
     }
 
-    /// Makes it the street along `line`, of which the ends meet what is there as given.
+    /// Makes this proposal the street along `line`, whose ends join the network by `first` and `last`.
     pub fn line(&mut self, line: &[DVec2], first: Join, last: Join) {
         self.clear();
         for (i, p) in line.iter().enumerate() {
@@ -59,7 +59,7 @@ impl Proposal {
         }
     }
 
-    /// Length of the shortest way from one point to another along its edges.
+    /// Length in metres of the shortest way from one point to another along the edges of the proposal.
     pub fn way(&self, from: usize, to: usize) -> f64 {
         let mut far = vec![f64::INFINITY; self.points.len()];
         far[from] = 0.0;
@@ -81,12 +81,13 @@ impl Proposal {
         far[to]
     }
 
-    /// Whether a point meets what is there.
+    /// Whether a point meets a street that is built.
     pub fn joined(&self, point: usize) -> bool {
         !matches!(self.joins[point], Join::Free(_))
     }
 
-    /// Whether the last edges of the proposal's arms, which may have been moved, keep the rules towards the rest of it.
+    /// Whether the last edge of each arm keeps its distance from the rest of the proposal. Only arms that meet a street count:
+    /// their ends may have moved.
     pub fn ends_keep_apart(&self) -> bool {
         let p = self;
         let degree = |x: usize| p.edges.iter().filter(|e| e.0 == x || e.1 == x).count();

@@ -1,5 +1,5 @@
-//! Whether straight streets may be laid in the place of what is there: as near to all else as the rules of the repair allow,
-//! or, as streets near a junction are nearer than that, no nearer than what goes.
+//! Refit: whether straight streets may replace existing ones. A new street keeps to the rules of the repair; near a junction,
+//! where streets are nearer to each other than that, it comes no nearer than the street that it replaces.
 
 use super::canvas::Canvas;
 use super::checker::{DEAD_END_FLOOR, WEDGE};
@@ -10,27 +10,27 @@ use crate::seam::{CellPort, STUB_LENGTH};
 use crate::space::{Bounds, distance_to_segment, segment_distance};
 use glam::DVec2;
 
-/// Least cosine of the angle between a port's street and the stub that it begins as.
+/// Least cosine of the angle between the street of a port and the inward direction of the port.
 const PORT: f64 = 0.93;
 
-/// Least share of the distance from the border that is left of it, where that is no more than is asked of new streets.
+/// Least ratio of the new distance from the border to the old one, where the old one is short.
 const ROOM_LEFT: f64 = 0.8;
 
-/// Least share of a way along streets that is left of it, where that may be a way around a block that is too small.
+/// Least ratio of the new way around a block to the old one, where the new way is short.
 const WAY_LEFT: f64 = 0.8;
 
-/// A straight street, or a part of one, in the place of what is there.
+/// A straight street, or a part of one, that may replace existing edges.
 #[derive(Clone, Copy)]
 pub struct Line {
-    /// Its first end; the vertex may lie elsewhere yet.
+    /// The first vertex, which may not have moved to `a` yet.
     pub from: VertexIx,
-    /// Its last end.
+    /// The last vertex.
     pub to: VertexIx,
-    /// Where it begins.
+    /// Position of the first end.
     pub a: DVec2,
-    /// Where it ends.
+    /// Position of the last end.
     pub b: DVec2,
-    /// The edges that it takes the place of, among those that go.
+    /// The range of edges that it replaces, in the list of edges that go.
     pub was: (usize, usize),
 }
 
@@ -62,30 +62,32 @@ impl Line {
         if self.from == v { way } else { -way }
     }
 
-    /// Its ends, each with its position and that of the other end.
+    /// Both ends: the vertex, its position, and the position of the other end.
     fn ends(&self) -> [(VertexIx, DVec2, DVec2); 2] {
         [(self.from, self.a, self.b), (self.to, self.b, self.a)]
     }
 }
 
-/// Finds whether straight streets may take the place of others.
+/// Tells whether straight streets may replace existing ones.
 pub struct Refit<'d> {
+    /// The streets of the cell.
     pub canvas: &'d mut Canvas,
-    /// Buffer for the obstacles around the streets.
+    /// Buffer for the obstacles near the new streets.
     pub near: &'d mut Neighbourhood,
+    /// The ports of the cell.
     pub ports: &'d [CellPort],
     /// What new streets keep to.
     pub limits: Limits,
 }
 
 impl Refit<'_> {
-    /// Whether a way along streets that changes from `before` metres to `now` still leads around blocks that are large
-    /// enough: it ends `apart` metres from where it began.
+    /// Whether blocks stay large enough when a way along streets changes from `before` metres to `now`. The ends of the way
+    /// are `apart` metres from each other.
     pub fn keeps_way(&self, now: f64, before: f64, apart: f64) -> bool {
         now + apart >= self.limits.min_round || now >= WAY_LEFT * before
     }
 
-    /// Whether these may be laid in the place of the edges `gone`.
+    /// Whether `lines` may replace the edges `gone`.
     pub fn lines_fit(&mut self, lines: &[Line], gone: &[EdgeIx]) -> bool {
         let g = &self.canvas.graph;
         let ends_fit = lines.iter().all(|line| {
@@ -125,12 +127,12 @@ impl Refit<'_> {
         fits
     }
 
-    /// Whether a street from `v` in the direction `way` leaves the main street about squarely, if `v` is a port.
+    /// Whether a street from `v` in the direction `way` leaves the main street nearly square; true if `v` is no port.
     fn leaves_port(&self, v: VertexIx, way: DVec2) -> bool {
         self.canvas.nodes[v as usize].port.is_none_or(|port| way.dot(self.ports[port].inward) >= PORT)
     }
 
-    /// Whether the dead ends of two lines that meet are far enough from the other line.
+    /// Whether two lines that meet keep their dead ends away from each other.
     pub fn keep_apart(&self, x: &Line, y: &Line) -> bool {
         let loose_ends = |x: &Line, y: &Line| {
             x.ends().into_iter().all(|(v, at, _)| {
@@ -140,7 +142,7 @@ impl Refit<'_> {
         !(x.ends_at(y.from) || x.ends_at(y.to)) || (loose_ends(x, y) && loose_ends(y, x))
     }
 
-    /// Whether one of `lines` keeps as far from a street as that must be, or is no nearer than what was there.
+    /// Whether one of `lines` keeps its distance from a street, or comes no nearer to it than the edges that it replaces.
     fn is_beside(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
         if line.ends_at(other.from) || line.ends_at(other.to) {
             return true;
@@ -151,8 +153,8 @@ impl Refit<'_> {
             || now > 0.0 && self.is_near_along(line, lines, gone, other)
     }
 
-    /// Whether a line and a street are as near each other as they may be because they are near along the network: over a
-    /// street between their ends.
+    /// Whether a line and a street may be near to each other because a street between their ends makes them near along the
+    /// network.
     fn is_near_along(&self, line: &Line, lines: &[Line], gone: &[EdgeIx], other: &Line) -> bool {
         let g = &self.canvas.graph;
         let pairs = line.pairs(other);
@@ -172,13 +174,13 @@ impl Refit<'_> {
         })
     }
 
-    /// Distance of what a line takes the place of from another.
+    /// Distance in metres between the edges that a line replaces and another line.
     fn before(&self, line: &Line, gone: &[EdgeIx], other: &Line) -> f64 {
         let was = gone[line.was.0..line.was.1].iter().map(|e| self.canvas.graph.segment(*e));
         was.map(|(a, b)| segment_distance(a, b, other.a, other.b)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a line keeps as far from a wall as streets must, or is about no nearer than what was there.
+    /// Whether a line keeps its distance from a wall, or comes hardly nearer than the edges that it replaces.
     fn keeps_off(&self, line: &Line, wall: &Obstacle, gone: &[EdgeIx]) -> bool {
         let wall_gap = self.limits.wall_gap;
         let wall_line = Line::of(wall);

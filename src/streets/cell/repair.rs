@@ -1,4 +1,4 @@
-//! Repair: dead ends that can be connected are, stumps go, and blocks that came out too large are divided.
+//! Repair: connects floating streets and dead ends, removes stumps, and divides large blocks.
 
 use super::canvas::Maker;
 use super::division::divide_blocks;
@@ -12,11 +12,11 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::rotate;
 
-/// Connections that are checked exactly for one dead end.
+/// Number of connections that are checked exactly for one dead end.
 const TRIES: usize = 10;
 
-/// Mends the network. Repair beats deletion: only stumps are removed. What hangs together with one of `anchors`, vertices
-/// of the graph, is connected to a port.
+/// Repairs the network. Repair beats deletion: only stumps are removed. The streets around `anchors`, vertices of the graph,
+/// are connected to a port.
 pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> Result<(), LayerError> {
     connect_floating(draft, anchors);
     for round in 0..2 {
@@ -34,7 +34,8 @@ pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> R
     Ok(())
 }
 
-/// Dead ends that may be mended with the length of their streets, the shortest first.
+/// The dead ends that the network may go on from, each with the length of its street in metres and whether that begins at a
+/// port; the shortest first.
 fn dead_ends(draft: &Draft<'_>) -> Vec<(f64, VertexIx, bool)> {
     let g = &draft.canvas.graph;
     let mut out: Vec<_> = g
@@ -49,7 +50,7 @@ fn dead_ends(draft: &Draft<'_>) -> Vec<(f64, VertexIx, bool)> {
     out
 }
 
-/// Connects the dead ends that the style does not let stay.
+/// Connects dead ends, except a share of them that the style lets stay.
 fn connect_dead_ends(draft: &mut Draft<'_>) {
     let stay = draft.rules.local.dead_ends;
     for (length, v, _) in dead_ends(draft) {
@@ -62,7 +63,7 @@ fn connect_dead_ends(draft: &mut Draft<'_>) {
     }
 }
 
-/// Connects the dead end `v` by a straight street or one with a bend, if any keeps the relaxed rules.
+/// Connects the dead end `v` by a straight street or by one with a bend, if one keeps the rules of the repair.
 fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
     let at = draft.canvas.graph.at(v);
     let Some(onward) = draft.canvas.onward(v) else { return false };
@@ -96,7 +97,7 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
     build_best(draft, mends, &limits, TRIES)
 }
 
-/// Removes dead ends that are too short to be streets, but for those at ports and those of pinned pieces.
+/// Removes dead-end streets that are too short, except at ports and in pinned pieces.
 fn remove_stumps(draft: &mut Draft<'_>) {
     loop {
         let stump = dead_ends(draft)
@@ -120,7 +121,7 @@ fn is_pinned(draft: &Draft<'_>, v: VertexIx) -> bool {
     pinned
 }
 
-/// Makes cul-de-sacs of port stubs that still lead nowhere.
+/// Lengthens the stubs that still lead nowhere into cul-de-sacs.
 fn lengthen_stubs(draft: &mut Draft<'_>) {
     let local = draft.rules.local;
     for (length, v, at_port) in dead_ends(draft) {

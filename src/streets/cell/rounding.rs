@@ -1,4 +1,4 @@
-//! Rounding: where a street bends sharply, its corner becomes a curve.
+//! Rounding: sharp corners of a street become curves.
 
 use super::canvas::Canvas;
 use crate::network::{STREET_FLOOR, VertexIx};
@@ -6,16 +6,16 @@ use crate::space::math::angle_between;
 use crate::space::{Bounds, point_at, quantize, segment_distance, segments};
 use glam::DVec2;
 
-/// Bends less sharp than this stay as they are, in radians.
+/// Bends of at most this angle stay as they are, in radians.
 const SHARP: f64 = 0.3;
-/// Least distance from a corner at which a curve begins, in metres: less cannot be seen.
+/// Least distance between a corner and the beginning of its curve, in metres; smaller curves cannot be seen.
 const LEAST_REACH: f64 = 4.0;
-/// Share of the way to the next corner or the end of the street that a curve takes at most.
+/// Greatest share of the way to the next corner, or to the end of the street, that a curve takes.
 const MOST_SHARE: f64 = 0.45;
-/// Angle between the pieces of a curve, in radians.
+/// Angle between the segments of a curve, in radians.
 const ARC: f64 = 0.25;
 
-/// A curve in the place of a corner.
+/// A curve that replaces a corner.
 struct Curve {
     /// Where it begins and ends, in metres along the street.
     from: f64,
@@ -76,7 +76,7 @@ pub fn rounded(canvas: &Canvas, most: f64, vertices: &[VertexIx], line: Vec<DVec
     out
 }
 
-/// Whether a curve comes no nearer to other streets and the border than streets may, or than the street did before.
+/// Whether a curve keeps the least distance from other streets and from the border, or comes no nearer than the line did.
 fn has_room(canvas: &Canvas, vertices: &[VertexIx], line: &[DVec2], curve: &[DVec2]) -> bool {
     let bounds = Bounds::of(curve.iter().copied()).grown(2.0 * STREET_FLOOR);
     let own = |v: VertexIx| vertices.contains(&v);

@@ -1,4 +1,5 @@
-//! The obstacles of a cell by place: squares, each with the obstacles whose boxes reach into it.
+//! An index of the obstacles along a ray: the cell is cut into squares, and each square knows the obstacles whose boxes reach
+//! into it.
 
 use crate::space::Bounds;
 use glam::{DVec2, IVec2};
@@ -6,27 +7,27 @@ use glam::{DVec2, IVec2};
 /// Edge of a square, in metres.
 const SIDE: f64 = 40.0;
 
-/// What boxes and rays are taken to be larger by, in metres; far more than rounding.
+/// Margin around boxes and rays, in metres; far more than rounding errors.
 const MARGIN: f64 = 0.1;
 
-/// So many squares are visited rather than sifted.
+/// Up to this number, all squares of a ray's box are visited.
 const FEW: i32 = 4;
 
-/// Ends a list.
+/// Marks the end of a list.
 const END: u32 = u32::MAX;
 
-/// Obstacles, named by numbers, by the squares that they lie in.
+/// Obstacles, by number, in linked lists per square.
 pub struct Squares {
     corner: DVec2,
     size: IVec2,
-    /// The youngest link of each square.
+    /// The last link of each square.
     heads: Vec<u32>,
-    /// An obstacle and the link before.
+    /// Each link is an obstacle and the link before.
     links: Vec<(u32, u32)>,
 }
 
 impl Squares {
-    /// The squares of a cell; what lies outside counts as in the nearest square.
+    /// The squares of a cell. Obstacles outside the bounds belong to the nearest square.
     pub fn new(bounds: Bounds) -> Self {
         let size = (bounds.size() / SIDE).ceil().clamp(DVec2::ONE, DVec2::splat(512.0)).as_ivec2();
         let heads = vec![END; (size.x * size.y) as usize];
@@ -48,7 +49,7 @@ impl Squares {
         links.map(|link| link.0)
     }
 
-    /// Puts an obstacle where the segment `a`-`b` is. One that was put elsewhere before is found there as well.
+    /// Adds an obstacle, which is the segment `a`-`b`. An obstacle that was added before is found at its old place as well.
     pub fn put(&mut self, obstacle: u32, a: DVec2, b: DVec2) {
         let [low, high] = self.extent(Bounds::of([a, b]));
         for (x, y) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
@@ -58,8 +59,8 @@ impl Squares {
         }
     }
 
-    /// Visits what may meet the segment `from`-`to`, about in the order in which it is met; some more than once. `visit` is
-    /// given each obstacle and may move the end of the segment nearer.
+    /// Visits the obstacles that the segment `from`-`to` may meet, roughly in the order of meeting, and some of them more than
+    /// once. `visit` receives each obstacle and may shorten the segment by moving its end.
     pub fn along(&self, from: DVec2, mut to: DVec2, mut visit: impl FnMut(u32, &mut DVec2)) {
         let [low, high] = self.extent(Bounds::of([from, to]));
         let extent = high - low + 1;

@@ -1,10 +1,10 @@
-//! Bending of patches: so that the headings of a street fit at both ends, where the patch as it is drawn would leave a kink.
+//! Bending: a patch is bent a little where it would leave a kink at one of its ends as it is drawn.
 
 use crate::space::math::{cos, sin, smoothstep};
 use crate::style::FieldKind;
 use glam::DVec2;
 
-/// A smooth sidewards shift along a straight line that leaves both its ends where they are and turns the headings there.
+/// A smooth sideways shift along a straight line: both ends of the line stay where they are, and the headings there turn.
 #[derive(Clone, Copy, Debug)]
 pub struct Bend {
     from: DVec2,
@@ -21,7 +21,7 @@ impl Bend {
         Self { from, along: (to - from) / length, length, slopes }
     }
 
-    /// By how much the point `p` is moved.
+    /// The vector by which the bend moves the point `p`.
     pub fn shift(&self, p: DVec2) -> DVec2 {
         let x = (p - self.from).dot(self.along);
         let t = (x / self.length).clamp(0.0, 1.0);
@@ -42,26 +42,27 @@ pub struct Bending {
 }
 
 impl Bending {
-    /// In a cell whose streets follow a field of this kind, and turn no more than `most_turn` where one goes on from another.
+    /// The bending in a cell whose streets follow a field of the given kind and turn by at most `most_turn` radians where one
+    /// goes on from another.
     pub fn new(field: FieldKind, most_turn: f64) -> Self {
         let most = if field == FieldKind::Grid { 0.05 } else { 0.2 };
         Self { most, most_turn }
     }
 
-    /// Greatest angle between the headings of a patch and those that it is to have.
+    /// Greatest angle between the heading of a patch at an end and the heading wanted there, in radians.
     pub fn reach(self) -> f64 {
         self.most + self.most_turn
     }
 
-    /// Whether the headings are near enough that patches may be bent to them.
+    /// Whether both headings are near enough to the wanted ones that a patch can be bent.
     fn may_bend(self, is: [f64; 2], wanted: [Option<f64>; 2]) -> bool {
         let most = self.reach();
         (0..2).all(|i| wanted[i].is_none_or(|w| (w - is[i]).abs() <= most))
     }
 
-    /// How the slopes of a street must change at its two ends to fit, as far as patches may be bent, and the least cosine of
-    /// what is left of a bend at either end; `None` where that is too much. `is` and `wanted` are the headings of the street
-    /// at both ends against the straight line between them, in radians; nothing is asked of an end where it is `None`.
+    /// How the slopes of a street change at its two ends to fit, as far as a patch may be bent, and the least cosine of the
+    /// bends that are left there; `None` if they are too sharp. `is` and `wanted` are the headings of the street at both ends
+    /// against the straight line between them, in radians. An end whose wanted heading is `None` may have any.
     pub fn bend(self, is: [f64; 2], wanted: [Option<f64>; 2]) -> Option<([f64; 2], f64)> {
         if !self.may_bend(is, wanted) {
             return None;

@@ -10,32 +10,32 @@ use crate::space::math::turn;
 use crate::streets::cell::Draft;
 use glam::DVec2;
 
-/// Vertices that breadth-first tries to reach, the nearest first.
+/// Number of loose ends that are tried, the nearest first.
 const TARGETS: usize = 4;
 
-/// Least length of a patch whose arms are led on, as a share of the distance to bridge.
+/// Least length of a patch whose arms are extended, as a share of the distance to bridge.
 const LEAST_CORE: f64 = 0.3;
 
-/// Greatest angle between a patch whose arms are led on and the line that it lies on, in radians.
+/// Greatest angle between a patch whose arms are extended and the line that it lies on, in radians.
 const STRAIGHT: f64 = 0.12;
 
-/// Passages between two vertices that are looked at, of all that suit the distance and the headings.
+/// Number of passages that are rated, of all that suit the distance and the headings.
 const LOOKED_AT: usize = 8;
 
-/// Share of the patches whose arms are led on that are looked at; there are far more of them than places.
+/// Share of the patches with extended arms that are rated; there are far more of them than places.
 const SAMPLED: f64 = 0.2;
 
-/// What a loose end more that a placement meets adds to its rating, as a share.
+/// Share by which every further loose end that a placement meets raises its rating.
 const MET: f64 = 0.5;
 
-/// Placements between two vertices that are checked exactly.
+/// Number of placements that are checked exactly.
 const CHECKED: usize = 14;
 
-/// A patch between two vertices.
+/// A placement of a patch between two vertices.
 struct Bridge {
     rating: f64,
     placement: Placement,
-    /// Vertex of the patch at its far end, and that of the graph there.
+    /// The vertex of the patch at the far end, and the vertex of the graph that it falls on.
     end: (usize, VertexIx),
 }
 
@@ -44,12 +44,12 @@ struct Bridge {
 pub struct BreadthFirst {
     /// Placements to choose from.
     bridges: Vec<Bridge>,
-    /// Loose ends that may be reached, with their distances.
+    /// Loose ends that may be reached, with their distances in metres.
     targets: Vec<(f64, VertexIx)>,
 }
 
 impl BreadthFirst {
-    /// Looks for a patch that connects `v` with another loose end in sight.
+    /// Builds a patch that connects `v` with another loose end in sight; returns whether there is one.
     pub fn attach(
         &mut self,
         draft: &mut Draft<'_>,
@@ -92,8 +92,8 @@ impl BreadthFirst {
     }
 }
 
-/// Collects the placements of patches between `v`, from where its street leads `onward`, and the loose end `w`; false
-/// where no patch has the headings for that, or `w` is not in sight.
+/// Collects placements of patches between `v`, whose street leads `onward`, and the loose end `w`. False if no patch has
+/// suitable headings or `w` is not in sight.
 fn find_bridges(
     draft: &mut Draft<'_>,
     placer: &Placer<'_>,
@@ -144,8 +144,8 @@ fn find_bridges(
     true
 }
 
-/// Collects the placements of patches that run straight between `v` and `w` and are too short for it: their arms are
-/// led on. Such a patch may be moved along the line, and is, to where its other arms face loose ends.
+/// Collects placements of straight patches that are too short for the distance between `v` and `w`, so that their arms are
+/// extended. Such a patch is shifted along the line to where its other arms face loose ends.
 fn stretched(
     draft: &mut Draft<'_>,
     placer: &Placer<'_>,
@@ -206,7 +206,7 @@ fn stretched(
     }
 }
 
-/// Whether a connectable vertex of a placed patch falls about where a loose end is or would be led on to.
+/// Whether a connectable vertex of a placed patch falls near a loose end, or near where that end would be extended to.
 fn meets_loose_end(
     draft: &Draft<'_>,
     placement: &Placement,

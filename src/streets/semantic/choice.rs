@@ -10,7 +10,7 @@ use crate::space::Bounds;
 use crate::streets::cell::Draft;
 use glam::DVec2;
 
-/// Chooses patches; keeps its buffers from one vertex to the next.
+/// Chooses patches, and keeps its buffers from one vertex to the next.
 #[derive(Default)]
 pub struct PatchChoice {
     breadth_first: BreadthFirst,
@@ -18,7 +18,7 @@ pub struct PatchChoice {
 }
 
 impl PatchChoice {
-    /// Attaches a patch to the vertex `v` at `at`, breadth-first where possible.
+    /// Attaches a patch to the vertex `v` at `at`, breadth-first if possible, else depth-first; returns whether one fits.
     pub fn attach(
         &mut self,
         draft: &mut Draft<'_>,

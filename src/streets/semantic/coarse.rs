@@ -1,12 +1,12 @@
-//! What the coarse grid tells of a placement before anything exact is computed: whether its middle has room, and whether
-//! its arms can end somewhere.
+//! Quick tests of placements on the coarse grid, before anything exact is computed: whether the middle of a patch has room,
+//! and whether its arms can end somewhere.
 
 use super::placement::Placement;
 use crate::patch::{ArmSample, PatchDatabase, PatchView};
 use crate::streets::cell::{Draft, FreeGrid, LEAST_ARM, Obstacle, STEP, WEDGE, joint_angle_fits, landing_place};
 use glam::{DVec2, Vec2};
 
-/// How a patch that is seen from one of its ends lies on the coarse grid: the origin and the axes of the view there.
+/// A patch, seen from one of its ends, on the coarse grid: the origin and the axes of the view there.
 #[derive(Clone, Copy)]
 pub struct Overlay {
     origin: Vec2,
@@ -30,10 +30,10 @@ impl Overlay {
     }
 }
 
-/// Greatest distance from a sample of an arm to where the arm meets what is near there, in metres.
+/// Greatest distance from a sample of an arm to the point where the arm meets a nearby obstacle, in metres.
 const AHEAD: f64 = 10.0;
 
-/// Quick and coarse: false when the placement surely comes too near something away from its start and `end`.
+/// False if the placement surely comes too near to an obstacle, away from its start and from its `end`.
 pub fn roughly_fits(
     draft: &Draft<'_>,
     patches: &PatchDatabase,
@@ -52,7 +52,7 @@ pub fn roughly_fits(
     })
 }
 
-/// The same for a patch seen from one of its ends. Its arms need not lie in the open, but end somewhere.
+/// False if a patch, seen from one of its ends, surely comes too near to an obstacle or has an arm that cannot end anywhere.
 pub fn view_roughly_fits(draft: &Draft<'_>, view: &PatchView, overlay: Overlay) -> bool {
     let enough = FreeGrid::least(draft.rules.growth.coarse_gap());
     view.samples.iter().all(|(p, away)| {
@@ -61,7 +61,7 @@ pub fn view_roughly_fits(draft: &Draft<'_>, view: &PatchView, overlay: Overlay) 
     }) && view.arms.iter().all(|arm| arm_roughly_ends(draft, arm, overlay))
 }
 
-/// Whether an arm can end: where it lies if there is room, or on what it meets.
+/// Whether an arm can end, either in the open or on the first obstacle that it meets.
 fn arm_roughly_ends(draft: &Draft<'_>, arm: &[ArmSample], overlay: Overlay) -> bool {
     let free = &draft.canvas.free;
     let Some(end) = arm.last() else { return true };
@@ -90,7 +90,7 @@ fn arm_roughly_ends(draft: &Draft<'_>, arm: &[ArmSample], overlay: Overlay) -> b
     has_room
 }
 
-/// Whether an arm that comes near the obstacle `met` about at `sample` may end there; `None` where it does not meet it.
+/// Whether an arm may end on the obstacle `met`, which it comes near to at `sample`; `None` if the arm does not meet it.
 fn arm_may_meet(draft: &Draft<'_>, met: &Obstacle, sample: ArmSample, overlay: Overlay) -> Option<bool> {
     let at = draft.canvas.free.place(overlay.map(sample.at));
     let heading = overlay.turn(sample.heading).as_dvec2() * STEP;

@@ -10,16 +10,16 @@ use crate::space::{Bounds, math::rotate};
 use crate::streets::cell::{Draft, Join, LooseEnd, Proposal, nearest};
 use glam::DVec2;
 
-/// Placements of which it is found where their ends come to lie, and of these the ones that are rated, for one current
-/// vertex.
+/// Greatest number of placements whose ends are settled, for one vertex.
 const PROPOSED: usize = 10;
 
+/// Greatest number of these placements that are rated.
 const RATED: usize = 4;
 
-/// Placements of one patch that are tried.
+/// Greatest number of placements of one patch.
 const TRIED: usize = 2;
 
-/// A proposal of a patch with its rating.
+/// A proposal of a patch, with its rating.
 #[derive(Default)]
 struct RatedProposal {
     rating: f64,
@@ -32,12 +32,12 @@ struct RatedProposal {
 pub struct DepthFirst {
     /// Proposals to choose from.
     ranked: Vec<RatedProposal>,
-    /// Patches to propose, by a key that grows with the wish for them.
+    /// Patches to propose, each with a key that grows with its weight.
     order: Vec<u64>,
 }
 
 impl DepthFirst {
-    /// Looks for a patch that goes on from `v` in the given direction.
+    /// Builds a patch that goes on from `v` in the given direction; returns whether one fits.
     pub fn attach(
         &mut self,
         draft: &mut Draft<'_>,
@@ -115,7 +115,7 @@ impl DepthFirst {
     }
 }
 
-/// Rating of the proposal by the three heuristics of Teng 2017, section 3.3, and for the streets that it connects.
+/// Rates the proposal by the three heuristics of Teng 2017, section 3.3, and by the streets that it connects.
 fn rating(draft: &Draft<'_>) -> f64 {
     // What is nearer than this to a street of a patch counts.
     let nearby = 1.5 * draft.rules.local.snap_radius.max(draft.rules.growth.gap);

@@ -1,5 +1,5 @@
-//! The filler with the patches of all styles of a world, and how it is prepared for the cells of a town: patches of the
-//! styles that are mixed there, their weights, and what is pinned.
+//! The filler with the patches of all styles of a world. Prepared for the cells of a town, it has for each cell the patches of
+//! the styles that are mixed there, their weights, and the patches that are pinned.
 
 use super::counts::{CountedCell, share_out};
 use super::find_place::find_place;
@@ -38,7 +38,7 @@ impl StyleKit {
     }
 }
 
-/// Patches of which a town has at most so many are used once in a cell.
+/// Limits patches that a town may have only so many of to one use per cell.
 fn use_once_in_a_cell(patches: &mut PatchDatabase, styles: &[&Style]) {
     let counts = || styles.iter().flat_map(|s| &s.patches).filter(|c| c.at_most.is_some());
     for patch in &mut patches.patches {

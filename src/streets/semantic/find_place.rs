@@ -1,4 +1,4 @@
-//! Finding a place for a patch that is to stand in a cell.
+//! Finds a place in a cell for a patch that is to stand there.
 
 use super::pinned::{PinnedPatch, lay, lay_pinned};
 use super::placement::Placement;
@@ -10,13 +10,12 @@ use crate::streets::filler::CellBrief;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
 
-/// Places that are tried for a patch that stands free.
+/// Number of places that are tried for a patch without a main street.
 const TRIES: usize = 400;
 
-/// A place where the patch of index `patch` can stand: nothing of what the border, the ports and the patches that are
-/// pinned already ask for keeps it from being laid there, and there is room around it for streets to reach it. The same
-/// arguments give the same place; `None` where none of some hundred tries fits. A patch of a main street stands at ports,
-/// any other along the field.
+/// A place where the patch of index `patch` can stand: it keeps its distance from the border, the ports and the patches that
+/// are pinned already, and streets have room to reach it. A patch with a main street stands at ports, any other along the
+/// field. The same arguments give the same place; `None` if none of some hundred places fits.
 pub fn find_place(brief: &CellBrief<'_>, filler: &PatchFiller, patch: usize) -> Option<PinnedPatch> {
     let drawn = filler.patches.patches.get(patch)?;
     let mut draft = Draft::new(brief);

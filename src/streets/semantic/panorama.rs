@@ -1,4 +1,5 @@
-//! What is met around a vertex, in all directions: it tells which patches may have room there, before any is placed.
+//! The panorama of a vertex: how far it is to the next obstacle in all directions. It tells which patches may have room
+//! there before any is placed.
 
 use crate::patch::{SECTORS, SectorReach, in_sectors};
 use crate::space::math;
@@ -6,27 +7,27 @@ use crate::streets::cell::{Draft, STEP, WEDGE};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// What is met first around a vertex, by sectors as those of a [`PatchView`](crate::patch::PatchView).
+/// Distances from a vertex to the next obstacles, in the same sectors as a [`PatchView`](crate::patch::PatchView).
 pub struct Panorama {
-    /// Direction of the first ray, in which the street leads on; the others follow counter-clockwise.
+    /// Direction of the first ray, in which the street leads on. The other rays follow counter-clockwise.
     direction: DVec2,
-    /// Distance at which something is met, by rays.
+    /// Distance to the next obstacle along each ray, in metres.
     far: [f32; RAYS * SECTORS],
-    /// Distance up to which there may be room for a patch.
+    /// Distance in each sector up to which a patch may have room, in metres.
     room: SectorReach,
-    /// The same for patches that are mirrored.
+    /// The same distances for mirrored patches.
     mirrored: SectorReach,
 }
 
-/// Rays in each sector.
+/// Number of rays in each sector.
 const RAYS: usize = 2;
 
-/// Rays that are followed at once.
+/// Number of rays that are followed at once.
 const TOGETHER: usize = 4;
 const _: () = assert!((RAYS * SECTORS).is_multiple_of(TOGETHER));
 
 impl Panorama {
-    /// What is around `at`, where a street leads on in `direction`, as far as `reach`.
+    /// The panorama of `at`, where a street leads on in `direction`, up to `reach` metres.
     pub fn of(draft: &Draft<'_>, at: DVec2, direction: DVec2, reach: f64) -> Self {
         let turn = math::direction(TAU / (RAYS * SECTORS) as f64);
         let mut ray = DVec2::new(turn.x, -turn.y).rotate(direction);
@@ -50,18 +51,18 @@ impl Panorama {
         Self { direction, far, room: in_sectors(|sector| room[sector]), mirrored }
     }
 
-    /// The greatest distance at which something may be met straight on.
+    /// Greatest distance in metres at which the next obstacle straight on may lie.
     pub fn ahead(&self) -> f64 {
         f64::from(self.far[0]) + STEP
     }
 
-    /// Whether a patch that reaches so far may have room: not where that is farther than what is met.
+    /// Whether a patch that reaches so far in each sector may have room.
     pub fn may_hold(&self, reach: &SectorReach, mirrored: bool) -> bool {
         let room = if mirrored { &self.mirrored } else { &self.room };
         reach.iter().zip(room).all(|(reach, room)| reach.cmple(*room).all())
     }
 
-    /// Whether what lies at `to` from here and `distance` away may be in sight.
+    /// Whether a point may be in sight that lies `distance` metres away in the direction of `to`.
     pub fn may_see(&self, to: DVec2, distance: f64) -> bool {
         let rays = self.far.len() as i32;
         let turned = DVec2::new(self.direction.dot(to), self.direction.perp_dot(to));

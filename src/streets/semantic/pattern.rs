@@ -10,20 +10,22 @@ use crate::space::math::turn;
 use crate::streets::cell::{Draft, Join, NONE, Obstacle, RemovedStubs, has_stub, nearest};
 use glam::DVec2;
 
-/// Share of cells that begin with a pattern along a main street, and between two, where the style has such patterns.
+/// Share of cells that begin with a pattern along a main street, if the style has such patterns.
 const ALONG: f64 = 0.4;
+
+/// Share of cells that begin with a pattern between two main streets, if the style has such patterns.
 const BETWEEN: f64 = 0.3;
 
 /// Share of candidate vertices from which a pattern is tried.
 pub const ONWARDS: f64 = 0.06;
 
-/// Least cosine of the angle at which a pattern meets the ports that it is led between.
+/// Least cosine of the angle at which a row meets the ports at its ends.
 const FACING: f64 = 0.95;
 
 /// Longest row between two main streets, in metres.
 const LONGEST_ROW: f64 = 420.0;
 
-/// Begins with patterns where chance and the ports allow.
+/// Begins a cell with patterns where chance and the ports allow.
 pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
     let rooted = |main: bool| -> Vec<usize> {
         let patches = placer.patches;
@@ -39,14 +41,14 @@ pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
     }
 }
 
-/// One of these patterns, by the weight of its element.
+/// Chooses one of the patterns `of`, by the weights of their elements.
 fn pick_pattern(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) -> Option<usize> {
     let entries = placer.patches.patterns();
     let weights: Vec<f64> = of.iter().map(|i| placer.weight(entries[*i].element)).collect();
     draft.rng.weighted(&weights).map(|i| of[i])
 }
 
-/// Ports by side, in order along it, of which the stubs are not yet built on.
+/// Runs of ports along the sides of the cell, in order; only ports whose stubs are not built on.
 fn runs(draft: &Draft<'_>) -> Vec<Vec<usize>> {
     let ports = draft.brief.ports;
     let n = draft.brief.border.len();
@@ -79,8 +81,8 @@ fn runs(draft: &Draft<'_>) -> Vec<Vec<usize>> {
     runs
 }
 
-/// A pattern along a main street: its elements stand at ports next to each other, with one scale across the street;
-/// along it each is drawn out to meet its ports.
+/// Lays a pattern along a main street. Its elements stand at ports next to each other. They have one scale across the street,
+/// and each is stretched along the street to meet its ports.
 fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) {
     let Some(pick) = pick_pattern(draft, placer, of) else { return };
     let entry = &placer.patches.patterns()[pick];
@@ -127,13 +129,13 @@ fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) {
     }
 }
 
-/// How many elements a pattern gets.
+/// Draws the number of elements of a pattern.
 fn times(draft: &mut Draft<'_>, pattern: &Pattern) -> u32 {
     let (low, high) = pattern.repeat;
     low + draft.rng.index((high - low + 1) as usize) as u32
 }
 
-/// An element with one root at a port.
+/// Lays an element with one root at a port; returns whether it fits.
 fn lay_at_port(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -157,7 +159,7 @@ fn lay_at_port(
     lay_at_ports(draft, placer, placement, patch, &[root])
 }
 
-/// An element with two roots between two ports.
+/// Lays an element with two roots between two ports; returns whether it fits.
 fn lay_between_ports(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -178,8 +180,8 @@ fn lay_between_ports(
     lay_at_ports(draft, placer, placement, patch, &roots)
 }
 
-/// Builds a patch whose roots fall on ports in the place of their stubs. What is there already of a side street that it
-/// shares with the element before is left out.
+/// Builds a patch whose roots fall on ports, in place of their stubs, and returns whether it fits. A side street that it shares
+/// with the element before is not built again.
 pub fn lay_at_ports(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -212,7 +214,7 @@ pub fn lay_at_ports(
     fits
 }
 
-/// Leaves out of the proposal what is there already from the ports on; false where that is not all alike.
+/// Removes from the proposal the streets that exist already. False if nothing is left or the rest breaks a rule.
 fn share_streets(draft: &mut Draft<'_>, roots: &[(usize, usize)]) -> bool {
     let g = &draft.canvas.graph;
     if roots.iter().all(|r| g.degree(r.1 as VertexIx) == 0) {
@@ -246,7 +248,7 @@ fn share_streets(draft: &mut Draft<'_>, roots: &[(usize, usize)]) -> bool {
     !p.edges.is_empty() && keeps_rules(&p.points, &p.edges, 1.0)
 }
 
-/// A pattern in a row between two ports that face each other.
+/// Lays a pattern as a row between two ports that face each other.
 fn pattern_between(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) {
     let Some(pick) = pick_pattern(draft, placer, of) else { return };
     let entry = &placer.patches.patterns()[pick];
@@ -285,7 +287,8 @@ fn pattern_between(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize])
     }
 }
 
-/// Lays so many elements from one port towards another. The row may end before: its last end grows on.
+/// Lays a row of elements from one port towards another; returns whether there is at least one. A row may end before it
+/// reaches the other port; then the streets grow on from its last end.
 fn row_between(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -314,8 +317,8 @@ fn row_between(
     true
 }
 
-/// Lays an element between `v` and the place `target`, or the port `end` there; if it fits, the vertex at
-/// its end, or `None` inside where that met a street before.
+/// Lays an element between `v` and the place `target`, where the port `end` may lie. `None` if it does not fit, else the vertex
+/// at its far end, unless that end met another street before.
 fn lay_element(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -367,7 +370,7 @@ fn lay_element(
     None
 }
 
-/// Lays a pattern in a row onwards from `v`.
+/// Lays a pattern as a row onwards from `v`; returns whether there is at least one element.
 pub fn pattern_onwards(draft: &mut Draft<'_>, placer: &mut Placer<'_>, v: VertexIx, direction: DVec2) -> bool {
     let patches = placer.patches;
     let free = |i: &usize| patches.facts(patches.patterns()[*i].element).main.is_none();
@@ -389,7 +392,7 @@ pub fn pattern_onwards(draft: &mut Draft<'_>, placer: &mut Placer<'_>, v: Vertex
     true
 }
 
-/// Vertices this near are the same, in metres, where elements of a pattern share a street.
+/// Distance within which vertices of two elements that share a street are the same, in metres.
 const SAME: f64 = 7.0;
 
 #[cfg(test)]

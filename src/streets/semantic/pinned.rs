@@ -1,4 +1,4 @@
-//! Pinned patches: they stand where the user wants them, whatever grows around them, or are left out whole.
+//! Pinned patches: each stands as a whole where it is pinned, whatever grows around it, or is left out.
 
 use super::placement::Placement;
 use super::placer::Placer;
@@ -8,10 +8,10 @@ use crate::space::{math, point_in_polygon};
 use crate::streets::cell::{Draft, Join, Limits, Maker, Proposal, RemovedStubs};
 use glam::DVec2;
 
-/// A root of a patch this near to a port stands in it, in metres.
+/// Distance within which the root of a patch stands in a port, in metres.
 const AT_PORT: f64 = 0.1;
 
-/// A patch with its place.
+/// A patch that stands in a certain place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinnedPatch {
     /// Index into [`PatchDatabase::patches`].
@@ -22,27 +22,27 @@ pub struct PinnedPatch {
     pub turned: f64,
     /// Whether it is mirrored at its x axis, before it is turned.
     pub mirrored: bool,
-    /// Which of the pieces that the user pinned it is, if it is one.
+    /// Index into the pieces that the user pinned, if the patch is one of them.
     pub piece: Option<usize>,
 }
 
 /// A pinned patch that stands in the graph.
 #[derive(Clone, Copy, Debug)]
 pub struct StandingPatch {
-    /// Its place in the list of pinned patches.
+    /// Index into the list of pinned patches.
     pub index: usize,
-    /// One of its vertices; its streets hang together.
+    /// One of its vertices; all its streets are connected.
     pub vertex: VertexIx,
 }
 
-/// The placement of a pinned patch, as large as it is drawn.
+/// The placement of a pinned patch, in the size of its drawing.
 fn placement(pinned: &PinnedPatch) -> Placement {
     let to = math::direction(pinned.turned);
     Placement::new((pinned.patch, usize::MAX, DVec2::ZERO), DVec2::X, pinned.mirrored, pinned.at, to)
 }
 
-/// Lays the pinned patches in their order, those of `left_out` (indices) excepted; what does not fit joins `left_out`. The
-/// patches that stand.
+/// Lays the pinned patches in order and returns those that stand. `left_out` has the indices of patches that are not tried; the
+/// patches that do not fit are added to it.
 pub fn lay_pinned(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
@@ -64,7 +64,7 @@ pub fn lay_pinned(
     standing
 }
 
-/// Lays one and gives one of its vertices; `None`, and nothing changes, where it breaks a rule.
+/// Lays a pinned patch and returns one of its vertices. If the patch breaks a rule, nothing changes and the result is `None`.
 pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch, limits: &Limits) -> Option<VertexIx> {
     if !propose_pinned(draft, placer.patches, pinned) {
         return None;
@@ -92,8 +92,8 @@ pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch,
     draft.trial.built.first().copied()
 }
 
-/// Makes a pinned patch the proposal: whole, its roots in the ports that they fall on. False for one that is not
-/// inside the cell or breaks the rules in itself.
+/// Proposes a pinned patch as a whole, with its roots in the ports that they fall on. False if the patch does not lie inside
+/// the cell or breaks the rules in itself.
 fn propose_pinned(draft: &mut Draft<'_>, patches: &PatchDatabase, pinned: &PinnedPatch) -> bool {
     let known = patches.patches.get(pinned.patch);
     let Some(patch) = known.filter(|_| pinned.at.is_finite() && pinned.turned.is_finite()) else { return false };

@@ -1,14 +1,14 @@
-//! Where a patch comes to lie on the plan.
+//! Placements: where a patch lies on the plan.
 
 use super::bend::Bend;
 use glam::DVec2;
 
-/// A patch laid on the plan: mirrored if so, scaled and turned about the origin, moved, then bent a little.
+/// Where a patch lies on the plan: mirrored or not, scaled, turned, moved, and then bent a little.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// Index into the database.
+    /// Index into the patches of the database.
     pub patch: usize,
-    /// Vertex of the patch that the current vertex becomes.
+    /// The vertex of the patch at which it is attached.
     pub start: usize,
     x_axis: DVec2,
     y_axis: DVec2,
@@ -49,19 +49,19 @@ impl Placement {
         Self { patch, start, x_axis, y_axis, offset: at - x_axis * start_at.x - y_axis * start_at.y, bend: None }
     }
 
-    /// The same, bent so that the street that it has between `from` and `to` changes its slopes there by `slopes`.
+    /// This placement, bent so that the street between `from` and `to` changes its slopes there by `slopes`.
     pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
         let bend = if slopes == [0.0; 2] { None } else { Some(Bend::new(from, to, slopes)) };
         Self { bend, ..self }
     }
 
-    /// Whether it is more than turned, scaled and moved.
+    /// Whether the placement changes the shape of the patch.
     pub fn is_bent(&self) -> bool {
         self.bend.is_some()
             || self.x_axis.dot(self.y_axis).abs() + (self.x_axis.length() - self.y_axis.length()).abs() > 1e-6
     }
 
-    /// Where a patch position comes to lie.
+    /// The position on the plan of a point of the patch.
     pub fn map(&self, p: DVec2) -> DVec2 {
         let p = self.offset + self.x_axis * p.x + self.y_axis * p.y;
         self.bend.map_or(p, |b| p + b.shift(p))

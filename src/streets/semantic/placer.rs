@@ -1,4 +1,4 @@
-//! Laying patches: what may be laid, how often it was, and what becomes of a placement's loose ends.
+//! The placer lays patches: it knows their weights and uses, and settles the loose ends of placements.
 
 use super::bend::Bending;
 use super::placement::Placement;
@@ -10,11 +10,11 @@ use crate::streets::cell::{Draft, Join, Maker, NONE, Proposal, joint_angle_fits}
 pub struct Placer<'a> {
     /// The patches.
     pub patches: &'a PatchDatabase,
-    /// The weight that each has in the cell before it is used.
+    /// The weight of each patch before it is used.
     weights: &'a [f64],
-    /// How often each was used.
+    /// How often each patch was used.
     used: Vec<u32>,
-    /// The weight that each has in choices after these uses.
+    /// The weight of each patch after these uses.
     weights_left: Vec<f64>,
     /// Greatest radius of a patch, in metres.
     pub largest: f64,
@@ -27,7 +27,7 @@ pub struct Placer<'a> {
 }
 
 impl<'a> Placer<'a> {
-    /// None of the patches is used yet; `weights` has the weight of each in the cell.
+    /// A placer that has not used any patch yet; `weights` has the weight of each patch in the cell.
     pub fn new(draft: &Draft<'_>, patches: &'a PatchDatabase, weights: &'a [f64]) -> Self {
         let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
         let mut placer = Self {
@@ -49,8 +49,8 @@ impl<'a> Placer<'a> {
         self.weights_left[patch]
     }
 
-    /// Weight of a patch in choices after `count` uses: less with every use, 0 once it was used as often as it may be or if
-    /// it breaks the rules inside itself.
+    /// Weight of a patch in choices after `count` uses. Every use lowers it. It is 0 once the patch was used as often as it may
+    /// be, and for a patch that breaks the rules in itself.
     fn weight_after(&self, patch: usize, count: u32) -> f64 {
         let most = self.patches.patches[patch].at_most;
         if most.is_some_and(|most| count >= most) || !self.patches.facts(patch).shape.sound {
@@ -60,13 +60,13 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// How often patches were used, all together.
+    /// Number of patches that were used.
     #[cfg(test)]
     pub fn uses(&self) -> u32 {
         self.used.iter().sum()
     }
 
-    /// Takes into account that a patch was used once more.
+    /// Counts one more use of a patch.
     pub fn count_use(&mut self, patch: usize) {
         self.used[patch] += 1;
         self.weights_left[patch] = self.weight_after(patch, self.used[patch]);
@@ -84,13 +84,13 @@ impl<'a> Placer<'a> {
         draft.cross_over();
     }
 
-    /// Builds the placement if it fits.
+    /// Builds the placement if it fits; returns whether it does.
     pub fn build_patch(&mut self, draft: &mut Draft<'_>, placement: &Placement, anchors: &[(usize, VertexIx)]) -> bool {
         self.propose_patch(draft, placement, anchors) && build_narrowed(draft, placement.patch)
     }
 
-    /// Makes the placement the proposal, with its ends settled. `anchors` are the vertices of the patch that fall on
-    /// vertices of the graph.
+    /// Proposes the placement with its loose ends settled. `anchors` are the vertices of the patch that fall on vertices of the
+    /// graph. False if an end cannot be settled or meets a street at a wrong angle.
     pub fn propose_patch(
         &mut self,
         draft: &mut Draft<'_>,
@@ -100,7 +100,7 @@ impl<'a> Placer<'a> {
         self.propose(draft, placement, anchors, true)
     }
 
-    /// The same; with `check`, false as well as soon as an arm meets a street at an angle that may not be.
+    /// Proposes the placement; without `check`, the angles at which its arms meet streets are not tested yet.
     pub fn propose(
         &mut self,
         draft: &mut Draft<'_>,
@@ -175,12 +175,12 @@ impl<'a> Placer<'a> {
     }
 }
 
-/// Builds the proposal, which is the patch of this index, if it fits; no more is looked at than what lies around it.
+/// Builds the proposal of a patch if it fits, and looks only at the obstacles around it; returns whether it fits.
 pub fn build_narrowed(draft: &mut Draft<'_>, patch: usize) -> bool {
     draft.trial.build_narrowed(&mut draft.canvas, &draft.rules.growth, Maker::Piece(patch as u32))
 }
 
-/// Builds the proposal, which is the patch of this index, if it fits among what was gathered.
+/// Builds the proposal of a patch if it fits among the gathered obstacles; returns whether it does.
 pub fn build(draft: &mut Draft<'_>, patch: usize) -> bool {
     draft.trial.build_if_fits(&mut draft.canvas, &draft.rules.growth, Maker::Piece(patch as u32))
 }

@@ -10,7 +10,8 @@ use crate::patch::{PatchDatabase, STRETCH, tag};
 use crate::streets::cell::{Draft, RemovedStubs, has_stub, stub_end};
 use glam::DVec2;
 
-/// Puts initial patches in the place of stubs where they fit. The ends become the first candidate vertices.
+/// Lays patterns, and initial patches in place of some stubs. Their ends and those of the other stubs become the first
+/// candidate vertices.
 pub fn start(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
     start_with_patterns(draft, placer);
     let ports = draft.brief.ports.len();
@@ -30,8 +31,8 @@ pub fn start(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
     draft.canvas.stamp_stubs(draft.brief.ports);
 }
 
-/// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` for
-/// patches that are not laid on a main street or leave it more than once.
+/// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` if the patch has no
+/// main street or leaves it more than once.
 fn initial_root(patches: &PatchDatabase, patch: usize) -> Option<(usize, DVec2)> {
     let main = patches.facts(patch).main.as_ref()?;
     let patch = &patches.patches[patch];
@@ -41,7 +42,7 @@ fn initial_root(patches: &PatchDatabase, patch: usize) -> Option<(usize, DVec2)>
         .then(|| (root, along.perp().normalize_or_zero()))
 }
 
-/// Tries initial patches at port `port` in the place of its stub.
+/// Lays an initial patch at a port in place of its stub; returns whether one fits.
 fn start_with_patch(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize, initial: &[usize]) -> bool {
     let (at, inward) = (draft.brief.ports[port].at, draft.brief.ports[port].inward);
     let weights: Vec<f64> = initial.iter().map(|p| placer.weight(*p)).collect();
@@ -69,8 +70,8 @@ fn start_with_patch(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize,
     false
 }
 
-/// Tries an initial patch that leaves its main street twice at port `port` and the next one along the street, drawn out
-/// or together a little to meet both.
+/// Lays an initial patch that leaves its main street twice, at a port and at the next one along the street; it is stretched or
+/// shortened a little to meet both. Returns whether it fits.
 fn start_with_two(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize, pick: usize) -> bool {
     let patches = placer.patches;
     let patch = patches.patches[pick].clone();
