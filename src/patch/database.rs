@@ -111,17 +111,12 @@ pub struct PatchDatabase {
 }
 
 impl PatchDatabase {
-    /// The patches of `sets` that have at least one tag of `allow` (any patch when that is empty) and none of `exclude`,
-    /// and the patterns of which that holds for the element.
+    /// The patches of `sets` that [are allowed](Patch::is_allowed), and the patterns whose element is one of them.
     pub fn new(sets: &[&PatchSet], allow: &[String], exclude: &[String]) -> Self {
-        let usable = |p: &Patch| {
-            (allow.is_empty() || allow.iter().any(|t| p.tags.contains(t)))
-                && !exclude.iter().any(|t| p.tags.contains(t))
-        };
         let (mut patches, mut names, mut patterns) = (Vec::new(), Vec::new(), Vec::new());
         for set in sets {
             let first = patches.len();
-            patches.extend(set.patches.iter().filter(|p| usable(p)).cloned().map(Arc::new));
+            patches.extend(set.patches.iter().filter(|p| p.is_allowed(allow, exclude)).cloned().map(Arc::new));
             names.extend(patches[first..].iter().map(|p| Arc::from(format!("{}/{}", set.name, p.name))));
             for pattern in &set.patterns {
                 let element = patches[first..].iter().position(|p| p.name == pattern.element);

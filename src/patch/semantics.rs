@@ -23,6 +23,13 @@ pub struct MainLine {
 }
 
 impl Patch {
+    /// Whether the tags of the patch let it be used: it has at least one tag of `allow`, unless that is empty, and none of
+    /// `exclude`.
+    pub fn is_allowed(&self, allow: &[String], exclude: &[String]) -> bool {
+        (allow.is_empty() || allow.iter().any(|t| self.tags.contains(t)))
+            && !exclude.iter().any(|t| self.tags.contains(t))
+    }
+
     /// Indices of the edges at a vertex, in the order of the file.
     pub fn edges_at(&self, vertex: usize) -> impl Iterator<Item = usize> + '_ {
         self.edges.iter().enumerate().filter(move |(_, e)| e.a == vertex || e.b == vertex).map(|(i, _)| i)

@@ -19,7 +19,6 @@ pub use parcel::ParcelRules;
 pub use seam::SeamRules;
 
 use crate::layer::{FileError, RangeError, from_ron};
-use crate::patch::Patch;
 use crate::space::Stream;
 use mix::Blend;
 use serde::{Deserialize, Serialize};
@@ -61,18 +60,6 @@ impl Style {
         style.name =
             std::path::Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(style)
-    }
-
-    /// Whether the tags of a patch let this style use it.
-    pub fn allows(&self, patch: &Patch) -> bool {
-        (self.allow.is_empty() || self.allow.iter().any(|t| patch.tags.contains(t)))
-            && !self.exclude.iter().any(|t| patch.tags.contains(t))
-    }
-
-    /// Weight of a patch of one of its sets: 0 if its tags rule it out.
-    pub fn weight_of(&self, patch: &Patch) -> f64 {
-        let factor = self.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
-        if self.allows(patch) { patch.weight * factor } else { 0.0 }
     }
 
     /// Share of the fringe's style at a distance from the centre, in radii of the settlement: 0 to 1.

@@ -167,7 +167,7 @@ impl WorldAssets {
                 let (fringe, known) = (fringe.style.clone(), names(&self.styles));
                 return Err(WorldError::MissingFringe { style: name.clone(), fringe, known });
             }
-            if of > 0 && !sets.iter().flat_map(|s| &s.patches).any(|p| style.allows(p)) {
+            if of > 0 && !sets.iter().flat_map(|s| &s.patches).any(|p| p.is_allowed(&style.allow, &style.exclude)) {
                 return Err(WorldError::NoPatches { style: name.clone(), of });
             }
             Ok(())

@@ -33,9 +33,15 @@ impl StyleKit {
         let used: Vec<&PatchSet> = sets.iter().map(|s| &**s).collect();
         let mut patches = PatchDatabase::new(&used, &style.allow, &style.exclude);
         use_once_in_a_cell(&mut patches, &[style]);
-        let weights = patches.patches.iter().map(|p| style.weight_of(p)).collect();
+        let weights = patches.patches.iter().map(|p| weight_of(style, p)).collect();
         Self { style: style.clone(), sets, patches: Arc::new(patches), weights }
     }
+}
+
+/// Weight of a patch of one of the sets that a style uses: 0 if its tags rule it out.
+fn weight_of(style: &Style, patch: &Patch) -> f64 {
+    let factor = style.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
+    if patch.is_allowed(&style.allow, &style.exclude) { patch.weight * factor } else { 0.0 }
 }
 
 /// Limits patches that a town may have only so many of to one use per cell.
@@ -98,7 +104,7 @@ impl SemanticPatches {
         let weight = |(patch, set): (&Arc<Patch>, &String)| {
             let of = |(kit, share): &(&StyleKit, f64)| {
                 let uses = kit.style.patch_sets.contains(set);
-                if uses { share * kit.style.weight_of(patch) } else { 0.0 }
+                if uses { share * weight_of(&kit.style, patch) } else { 0.0 }
             };
             shares.iter().map(of).sum()
         };
