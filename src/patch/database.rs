@@ -1,4 +1,4 @@
-//! The patches that a style may use, indexed for the searches.
+//! The patch database: patches indexed for the searches of a filler.
 
 use crate::patch::shape::least_reach;
 use crate::patch::{MainLine, Patch, PatchSet, PatchShape, PatchView, Pattern, SectorReach};
@@ -7,29 +7,29 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A way through one of the patches, as it is drawn or mirrored, from one connectable vertex to another.
+/// A way through a patch, as drawn or mirrored, from one connectable vertex to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Straight distance between the two, in metres.
+    /// Straight distance between the two vertices, in metres.
     pub distance: f64,
     /// Index into [`PatchDatabase::patches`].
     pub patch: usize,
-    /// Index into [`Patch::connectables`] of the first.
+    /// The first vertex, as index into [`Patch::connectables`].
     pub from: usize,
-    /// Index into [`Patch::connectables`] of the last.
+    /// The last vertex, as index into [`Patch::connectables`].
     pub to: usize,
     /// Whether the patch is mirrored.
     pub mirrored: bool,
-    /// Angle from the straight line between the two to the direction in which the street leaves the first, in radians,
-    /// counter-clockwise positive, -pi..=pi; 0 when it heads for the last.
+    /// Angle from the straight line between the vertices to the direction in which the street leaves the first vertex, in
+    /// radians, counter-clockwise, -pi..=pi. It is 0 if the street heads for the last vertex.
     pub leaves: f64,
-    /// Angle from the straight line to the direction in which the street arrives at the last, likewise; 0 when it comes
-    /// straight from the first.
+    /// Angle from the straight line to the direction in which the street arrives at the last vertex, in radians,
+    /// counter-clockwise, -pi..=pi. It is 0 if the street comes straight from the first vertex.
     pub arrives: f64,
 }
 
 impl Passage {
-    /// Those of a patch: for each pair of connectable vertices four.
+    /// The passages of a patch: four for each pair of connectable vertices.
     fn of(patch: &Patch, index: usize) -> impl Iterator<Item = Self> + '_ {
         let passage = move |from: usize, to: usize, distance: f64, mirrored: bool| {
             let (a, b) = (patch.connectables[from], patch.connectables[to]);
@@ -42,13 +42,14 @@ impl Passage {
         both_ways.flat_map(move |(from, to, d)| [false, true].map(|mirrored| passage(from, to, d, mirrored)))
     }
 
-    /// Number of the drawers for a heading at one of the ends.
+    /// Number of the drawer for a heading at one of the ends.
     fn drawer(heading: f64) -> usize {
         (((heading + PI) / TAU * DRAWERS as f64) as usize).min(DRAWERS - 1)
     }
 }
 
-/// Passages are kept in so many drawers by the heading in which they leave, and as many by that in which they arrive.
+/// Number of drawers in which passages are kept by the heading in which they leave, and likewise by the heading in which they
+/// arrive.
 const DRAWERS: usize = 16;
 
 /// A pattern with its element.
@@ -60,7 +61,7 @@ pub struct PatternEntry {
     pub element: usize,
 }
 
-/// What is known of a patch beyond the patch itself, found once and not for each try to place it.
+/// What is derived from a patch once, rather than at each try to place it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchFacts {
     /// Its streets ([`Patch::streets`]).
@@ -69,11 +70,11 @@ pub struct PatchFacts {
     pub dead_ends: Vec<usize>,
     /// The main street that it can be attached to ([`Patch::main_line`]).
     pub main: Option<MainLine>,
-    /// Its geometry, taken apart.
+    /// Its geometry, split into arms and core.
     pub shape: PatchShape,
-    /// The same as seen from each of its connectable vertices, in their order.
+    /// Its geometry as seen from each of its connectable vertices, in their order.
     pub views: Vec<PatchView>,
-    /// The least [`PatchView::reach`] in each sector of these views and of the same mirrored.
+    /// The least [`PatchView::reach`] in each sector, of all views and of the mirrored views.
     pub least_reach: SectorReach,
 }
 
@@ -97,12 +98,12 @@ impl PatchFacts {
 pub struct PatchDatabase {
     /// The patches, by set and then by place in the file.
     pub patches: Vec<Arc<Patch>>,
-    /// By patch: its set's name and its own.
+    /// For each patch, the name of its set and its own name.
     names: Vec<Arc<str>>,
-    /// By patch.
+    /// For each patch, what is derived from it.
     facts: Vec<PatchFacts>,
     patterns: Vec<PatternEntry>,
-    /// By the headings in which they leave and arrive, then by distance, then by patch and its pairs.
+    /// Passages by the headings in which they leave and arrive, then by distance, then by patch and pair.
     passages: Vec<Vec<Passage>>,
     /// Indices of patches by radius, then index.
     by_radius: Vec<usize>,
@@ -148,8 +149,8 @@ impl PatchDatabase {
     }
 
     /// All passages between vertices `distance` metres apart, give or take `tolerance`, that leave and arrive at `headings`
-    /// (-pi..=pi), give or take `most` radians; those that turn back, beyond pi, are not looked for on the other side. O(log c)
-    /// and as many as head about so.
+    /// (-pi..=pi), give or take `most` radians. Ranges of headings do not wrap around at pi. Takes O(log c) and the number of
+    /// passages with about these headings.
     pub fn passages_near(
         &self,
         distance: f64,
@@ -180,7 +181,7 @@ impl PatchDatabase {
         self.by_tag.get(tag).map_or(&[], Vec::as_slice)
     }
 
-    /// What is known of a patch. O(1).
+    /// What is derived from a patch. O(1).
     pub fn facts(&self, patch: usize) -> &PatchFacts {
         &self.facts[patch]
     }

@@ -56,7 +56,7 @@ impl Stack {
         Ok(out)
     }
 
-    /// The patches pinned by edits that cannot be, as `rejected` tells it, by their place in the list.
+    /// The edits that pin a patch which cannot stand, with the reason; in the order of the list.
     pub(crate) fn rejected_pins(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
         let mut out = Vec::new();
         for (index, edit) in self.pins.iter().enumerate() {
@@ -69,10 +69,8 @@ impl Stack {
                     Some(cell) => {
                         let left_out = &self.streets(&town, cell, cancel)?.left_out;
                         let edits = town.fillers[cell].as_ref().map_or(&[][..], |prepared| &prepared.edits);
-                        let place = edits.iter().position(|e| *e == index);
-                        place.is_none_or(|i| left_out.contains(&i)).then(|| {
-                            format!("does not fit at {at} among main streets, their ports and patches before it")
-                        })
+                        let left_out = left_out.iter().find(|l| edits.get(l.piece) == Some(&index));
+                        left_out.map(|l| format!("at {at} it {}", l.reason))
                     }
                     None => Some(format!("{at} lies in an open place; allowed is a place among local streets")),
                 }

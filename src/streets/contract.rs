@@ -277,7 +277,8 @@ fn pieces_that_there_are_not_are_left_out() {
         let pinned = vec![pin("no such piece"), pin("nor this one")];
         assert!(pinned.iter().all(|p| !fillers.has_piece(&p.piece)));
         let out = prepared(&fillers, &cell, pinned).fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled");
-        assert_eq!(out, CellStreets { left_out: vec![0, 1], ..fill(&fillers, &cell) });
+        assert_eq!(out.left_out.iter().map(|l| l.piece).collect::<Vec<_>>(), [0, 1]);
+        assert_eq!(out.streets, fill(&fillers, &cell).streets);
     }
 }
 

@@ -125,7 +125,15 @@ pub struct CellStreets {
     pub streets: Vec<LocalStreet>,
     /// Ports that no street reaches. A filler that leaves one here has a defect.
     pub unmet: Vec<JunctionId>,
-    /// Pinned pieces that were left out, as indices into [`CellToFill::pinned`], in order: the filler has no such piece
-    /// here, or it does not keep to the border, to a port or to a piece before it, or no street can reach it.
-    pub left_out: Vec<usize>,
+    /// Pinned pieces that were left out, in order.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A pinned piece that was left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Index into [`CellToFill::pinned`].
+    pub piece: usize,
+    /// Why the piece was left out: the rest of a sentence that begins with "it".
+    pub reason: &'static str,
 }

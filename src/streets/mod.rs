@@ -22,7 +22,8 @@ mod sample;
 mod semantic;
 
 pub use filler::{
-    CellBrief, CellFiller, CellStreets, CellToFill, Filler, LocalStreet, MadeBy, PinnedPiece, StreetOrigin, TownToFill,
+    CellBrief, CellFiller, CellStreets, CellToFill, Filler, LeftOut, LocalStreet, MadeBy, PinnedPiece, StreetOrigin,
+    TownToFill,
 };
 pub use fillers::Fillers;
 pub use parametric::Parametric;

@@ -2,7 +2,7 @@
 //! and are mended. It lays no pieces and needs no assets.
 
 use super::cell::{Draft, finish, grow_from_stubs, lay_stubs, make_fair, propagate, repair};
-use super::filler::{CellBrief, CellFiller, CellStreets, Filler, TownToFill};
+use super::filler::{CellBrief, CellFiller, CellStreets, Filler, LeftOut, TownToFill};
 use crate::layer::{Cancel, LayerError, Weigh};
 use std::sync::Arc;
 
@@ -36,7 +36,8 @@ impl CellFiller for Parametric {
         propagate(&mut draft, cancel, |_, _, _, _| false)?;
         repair(&mut draft, &[], cancel)?;
         make_fair(&mut draft);
-        Ok(CellStreets { left_out: (0..self.pinned).collect(), ..finish(&draft, NAME, &[]) })
+        let left_out = (0..self.pinned).map(|piece| LeftOut { piece, reason: "cannot stand where streets only grow" });
+        Ok(CellStreets { left_out: left_out.collect(), ..finish(&draft, NAME, &[]) })
     }
 }
 

@@ -8,7 +8,7 @@ use super::start::start;
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::patch::PatchDatabase;
 use crate::streets::cell::{Draft, finish, floating, lay_stubs, make_fair, propagate, repair};
-use crate::streets::filler::{CellBrief, CellFiller, CellStreets};
+use crate::streets::filler::{CellBrief, CellFiller, CellStreets, LeftOut};
 use std::sync::Arc;
 
 /// The name by which styles call this filler.
@@ -33,24 +33,27 @@ impl PatchFiller {
         Self { patches, weights, pinned: Vec::new(), unknown: Vec::new() }
     }
 
-    /// Which of the pinned pieces were left out, where `left_out` are indices into `pinned`.
-    fn pieces(&self, left_out: &[usize]) -> Vec<usize> {
-        let of_user = left_out.iter().filter_map(|i| self.pinned[*i].piece);
-        let mut pieces: Vec<usize> = of_user.chain(self.unknown.iter().copied()).collect();
-        pieces.sort_unstable();
-        pieces
+    /// The pieces that were left out, where `unfit` are indices into `pinned`.
+    fn left_out(&self, unfit: &[usize]) -> Vec<LeftOut> {
+        let reason = "does not fit among main streets, their ports and patches before it";
+        let unfit = unfit.iter().filter_map(|i| self.pinned[*i].piece).map(|piece| LeftOut { piece, reason });
+        let reason = "is not among the patches of the styles there";
+        let unknown = self.unknown.iter().map(|piece| LeftOut { piece: *piece, reason });
+        let mut out: Vec<LeftOut> = unfit.chain(unknown).collect();
+        out.sort_by_key(|l| l.piece);
+        out
     }
 }
 
 impl CellFiller for PatchFiller {
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
-        let mut left_out = Vec::new();
+        let mut unfit = Vec::new();
         loop {
             let mut draft = Draft::new(brief);
             let mut placer = Placer::new(&draft, &self.patches, &self.weights);
             let mut choice = PatchChoice::default();
             lay_stubs(&mut draft);
-            let standing = lay_pinned(&mut draft, &mut placer, &self.pinned, &mut left_out);
+            let standing = lay_pinned(&mut draft, &mut placer, &self.pinned, &mut unfit);
             start(&mut draft, &mut placer);
             cancel.check()?;
             propagate(&mut draft, cancel, |draft, v, at, direction| {
@@ -62,11 +65,11 @@ impl CellFiller for PatchFiller {
             make_fair(&mut draft);
             let cut_off = floating(&draft, &anchors);
             if cut_off.is_empty() {
-                let left_out = self.pieces(&left_out);
+                let left_out = self.left_out(&unfit);
                 return Ok(CellStreets { left_out, ..finish(&draft, NAME, self.patches.names()) });
             }
             // Nothing may float: once more without the patches that could not be reached.
-            left_out.extend(cut_off.into_iter().map(|i| standing[i].index));
+            unfit.extend(cut_off.into_iter().map(|i| standing[i].index));
         }
     }
 }
