@@ -7,9 +7,10 @@
 //! [`CellFiller`] for each cell, which turns a [`CellBrief`] into [`CellStreets`]. The brief knows only of the cell:
 //! whatever else a filler needs (patches, weights, counts over a town, pinned pieces) lives with the filler.
 //!
-//! To add a filler: give it a name in [`style::Filler`](crate::style::Filler); write a module here that implements
-//! [`Filler`] and [`CellFiller`], from the tools in `cell` (`parametric` is the smallest example); map the name to it in
-//! `fillers`; add it to the list in `contract`, whose tests every filler must pass.
+//! To add a filler: name it in [`style::Filler`](crate::style::Filler) and list it in
+//! [`style::Filler::ALL`](crate::style::Filler::ALL); write a module here that implements [`Filler`] and [`CellFiller`] with
+//! the tools of `cell` (`parametric` is the smallest example); map the name to it in `fillers`. The tests in `contract` run
+//! over every filler of the list. The streets that it lays carry its name and the names of its pieces ([`MadeBy`]).
 
 mod cell;
 #[cfg(test)]
