@@ -2,7 +2,7 @@
 
 /// What is wrong with a file, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {reason}")]
+#[error("{file}{}: {reason}", self.place())]
 pub struct FileError {
     /// Name of the file as it was given.
     pub file: String,
@@ -15,6 +15,11 @@ pub struct FileError {
 }
 
 impl FileError {
+    /// `:line:column`, or nothing where the error has no place in the file.
+    fn place(&self) -> String {
+        if self.line == 0 { String::new() } else { format!(":{}:{}", self.line, self.column) }
+    }
+
     /// An error without a place: the file could not be read at all, or it is no text.
     pub fn unreadable(file: impl Into<String>, reason: impl std::fmt::Display) -> Self {
         Self::new(file, (0, 0), reason)

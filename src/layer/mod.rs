@@ -9,6 +9,7 @@ mod file;
 mod parallel;
 mod range;
 mod ron_text;
+mod text;
 
 pub use cache::{LayerCache, Weigh};
 pub use error::{Cancel, LayerError, Reach};
@@ -17,3 +18,4 @@ pub(crate) use file::quoted;
 pub use parallel::each;
 pub use range::RangeError;
 pub use ron_text::{error_at, from_ron};
+pub use text::{decode_text, read_file};

@@ -1,7 +1,7 @@
 //! Styles and patch sets by name.
 
 use crate::edits::RejectedEdit;
-use crate::layer::{FileError, RangeError};
+use crate::layer::{FileError, RangeError, decode_text, read_file};
 use crate::patch::PatchSet;
 use crate::style::Style;
 use crate::world::Settings;
@@ -77,6 +77,9 @@ macro_rules! bundled {
     ($($file:literal),* $(,)?) => { [$(($file, include_str!(concat!("../../assets/", $file)))),*] };
 }
 
+/// Files of assets are read up to this size, in bytes.
+const LARGEST_FILE: u64 = 64 << 20;
+
 /// The files that come with the crate.
 const STYLES: [(&str, &str); 8] = bundled![
     "styles/european.ron",
@@ -120,8 +123,8 @@ impl WorldAssets {
             files.sort();
             for file in files {
                 let name = file.to_string_lossy();
-                let text = std::fs::read_to_string(&file).map_err(|e| FileError::unreadable(&*name, e))?;
-                out.add(&name, &text)?;
+                let content = read_file(&file, LARGEST_FILE)?;
+                out.add(&name, decode_text(&name, &content)?)?;
             }
         }
         Ok(out)

@@ -1,7 +1,7 @@
 //! `sprawl patches`: checks and draws patch sets.
 
 use crate::common::{Common, Flag};
-use crate::fail::{Fail, describe};
+use crate::fail::Fail;
 use crate::output::{Format, Output};
 use crate::work;
 use bevy_sprawl::export::png;
@@ -113,7 +113,7 @@ fn check(common: &Common, paths: &[PathBuf]) -> Result<(), Fail> {
     let Some(first) = errors.next() else { return Ok(()) };
     let more = errors.len();
     let more = if more > 0 { format!(" (and {more} more)") } else { String::new() };
-    Err(Fail::input(format!("{}{more}", describe(first))))
+    Err(Fail::input(format!("{first}{more}")))
 }
 
 /// One sheet of all patches of the sets.

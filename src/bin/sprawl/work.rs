@@ -3,7 +3,7 @@
 use crate::common::{At, Common};
 use crate::fail::Fail;
 use bevy_sprawl::edits::Edits;
-use bevy_sprawl::layer::{self, Cancel, FileError, LayerError};
+use bevy_sprawl::layer::{self, Cancel, FileError, LayerError, decode_text, read_file};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
 use bevy_sprawl::world::{Area, Settings, World, WorldAssets, WorldSource};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,9 +11,13 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
 
+/// Text files are read up to this size, in bytes.
+const LARGEST_TEXT: u64 = 64 << 20;
+
 /// Reads a file as text.
 pub fn read(path: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(path).map_err(|e| FileError::unreadable(path.to_string_lossy(), e))
+    let content = read_file(path, LARGEST_TEXT)?;
+    Ok(decode_text(&path.to_string_lossy(), &content)?.to_owned())
 }
 
 /// The world that the common flags describe. Each edit that the world cannot fulfil is named in a line on stderr.
