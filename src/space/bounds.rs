@@ -69,4 +69,40 @@ impl Bounds {
     pub fn overlaps(self, other: Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
+
+    /// The part of the segment from `a` to `b` that lies in the box, as parameters along it (0 is `a`, 1 is `b`; Liang and
+    /// Barsky 1984). `None` where the segment shares no more than a point with the box.
+    pub fn clip_segment(self, a: DVec2, b: DVec2) -> Option<(f64, f64)> {
+        let (mut from, mut to) = (0.0f64, 1.0f64);
+        for axis in 0..2 {
+            let (start, along, low, high) = (a[axis], b[axis] - a[axis], self.min[axis], self.max[axis]);
+            if along == 0.0 {
+                if start < low || start > high {
+                    return None;
+                }
+                continue;
+            }
+            let (enter, leave) = ((low - start) / along, (high - start) / along);
+            from = from.max(enter.min(leave));
+            to = to.min(enter.max(leave));
+        }
+        (from < to).then_some((from, to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_are_clipped_to_a_box() {
+        let bounds = Bounds::square(DVec2::ZERO, 10.0);
+        let clip = |a: [f64; 2], b: [f64; 2]| bounds.clip_segment(a.into(), b.into());
+        assert_eq!(clip([-10.0, 0.0], [10.0, 0.0]), Some((0.25, 0.75)));
+        assert_eq!(clip([0.0, 0.0], [3.0, 4.0]), Some((0.0, 1.0)));
+        assert_eq!(clip([0.0, 0.0], [0.0, 20.0]), Some((0.0, 0.25)));
+        for (a, b) in [([-9.0, 7.0], [9.0, 7.0]), ([0.0, 10.0], [10.0, 0.0]), ([6.0, 0.0], [9.0, 0.0])] {
+            assert_eq!(clip(a, b), None);
+        }
+    }
 }

@@ -126,20 +126,7 @@ fn median(sorted: &[f64]) -> f64 {
 
 /// Length of the part of a segment that lies in a box.
 pub fn length_inside(bounds: Bounds, a: DVec2, b: DVec2) -> f64 {
-    let (mut from, mut to) = (0.0f64, 1.0f64);
-    for axis in 0..2 {
-        let (start, along, low, high) = (a[axis], b[axis] - a[axis], bounds.min[axis], bounds.max[axis]);
-        if along == 0.0 {
-            if start < low || start > high {
-                return 0.0;
-            }
-            continue;
-        }
-        let (enter, leave) = ((low - start) / along, (high - start) / along);
-        from = from.max(enter.min(leave));
-        to = to.min(enter.max(leave));
-    }
-    if from < to { (to - from) * a.distance(b) } else { 0.0 }
+    bounds.clip_segment(a, b).map_or(0.0, |(from, to)| (to - from) * a.distance(b))
 }
 
 /// Connected components of a network: with all streets that leave the square taken as joined outside it, and without.
