@@ -10,7 +10,8 @@
 //! | `bevy` | yes | the plugin |
 //! | `window` | yes | what the examples need besides: a window and an egui panel |
 //! | `noise` | no | terrain from the functions of the crate `noise` |
-//! | `cli` | no | the `sprawl` command line, the exporters, terrain from PNG |
+//! | `maps` | no | real maps: OpenStreetMap and GeoJSON |
+//! | `cli` | no | the `sprawl` command line, the exporters, terrain from PNG, and `maps` |
 //!
 //! The modules are layers, bottom to top: [`space`], [`network`], [`patch`] and [`layer`] know no other; then
 //! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`parcel`], [`chunk`] and [`mesh`], each reading only those
@@ -27,6 +28,8 @@ pub mod edits;
 #[cfg(feature = "cli")]
 pub mod export;
 pub mod layer;
+#[cfg(feature = "maps")]
+pub mod map;
 pub mod mesh;
 pub mod network;
 pub mod parcel;

@@ -1,19 +1,19 @@
-//! A real town, to be drawn beside one of a world.
+//! A real town, drawn beside one of a world.
 
 use crate::fail::Fail;
-use crate::roads::reference;
-use bevy_sprawl::export::lines;
+use bevy_sprawl::export::{RoadLine, lines};
+use bevy_sprawl::map::{Map, MapCoordinates, MapOptions};
 use bevy_sprawl::parcel::{Block, BlockUse, Footprint};
-use bevy_sprawl::space::{Bounds, ChunkCoord, Origin, signed_area};
+use bevy_sprawl::space::{Bounds, ChunkCoord, Geographic, Origin};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
 use bevy_sprawl::world::{Area, Owned};
 use glam::DVec2;
 use std::path::Path;
 
-/// Storeys of buildings of which no height is known.
+/// Storeys of a building whose height is not known.
 const STOREYS: u32 = 3;
 
-/// Even ground without water: what a real town stands on here.
+/// Flat ground without water, on which a real town is drawn.
 pub struct Plain;
 
 impl Terrain for Plain {
@@ -22,10 +22,31 @@ impl Terrain for Plain {
     }
 }
 
-/// Streets and buildings of a file within a square of edge `size` metres around a place in degrees, or around its middle.
-pub fn area(path: &Path, around: Option<DVec2>, size: f64, chunk_size: i64) -> Result<Area, Fail> {
-    let bounds = Bounds::square(DVec2::ZERO, size);
-    let [streets, buildings] = reference::town(path, around)?;
+/// Reads the map of a real town in degrees, within a square of edge `size` metres around a place in degrees, or around the
+/// map's middle.
+pub fn read(path: &Path, around: Option<DVec2>, size: f64) -> Result<Map, Fail> {
+    let coordinates = match around {
+        None => MapCoordinates::Degrees,
+        Some(at) => {
+            let projection = Geographic::around(at).ok_or_else(|| {
+                Fail::input(format!("--beside-at {},{} is no longitude and latitude, or near a pole", at.x, at.y))
+            })?;
+            MapCoordinates::DegreesAround(projection)
+        }
+    };
+    let bounds = Some(Bounds::square(DVec2::ZERO, size));
+    Ok(Map::read(path, &MapOptions { coordinates, bounds, ..MapOptions::default() })?)
+}
+
+/// The streets and buildings of a map as the exporters want them.
+pub fn area(map: &Map, chunk_size: i64) -> Area {
+    let streets = map.streets.iter().map(|street| RoadLine {
+        class: street.tags.class,
+        bridge: street.tags.bridge,
+        tunnel: street.tags.tunnel,
+        line: map.line(street),
+    });
+    let bounds = map.bounds;
     let mut area = lines(bounds, streets, chunk_size);
     let origin = Origin::at(bounds.centre());
     let owner = ChunkCoord::new(0, 0);
@@ -33,14 +54,10 @@ pub fn area(path: &Path, around: Option<DVec2>, size: f64, chunk_size: i64) -> R
         [bounds.min, DVec2::new(bounds.max.x, bounds.min.y), bounds.max, DVec2::new(bounds.min.x, bounds.max.y)];
     let polygon = corners.map(|p| origin.to_local(p)).to_vec();
     area.blocks.push(Owned { chunk: owner, it: Block { id: 0, polygon, used_as: BlockUse::Built } });
-    let closed = buildings.into_iter().map(|b| b.line).filter(|l| l.len() > 3 && l.first() == l.last());
-    for (i, line) in closed.enumerate().filter(|(_, l)| Bounds::of(l.iter().copied()).overlaps(bounds)) {
-        let mut polygon: Vec<DVec2> = line[1..].iter().map(|p| origin.to_local(*p)).collect();
-        if signed_area(&polygon) < 0.0 {
-            polygon.reverse();
-        }
-        let it = Footprint { id: i as u64, lot: 0, polygon, storeys: STOREYS };
-        area.footprints.push(Owned { chunk: owner, it });
+    for (i, building) in map.buildings.iter().enumerate() {
+        let polygon = building.outline.iter().map(|p| origin.to_local(*p)).collect();
+        let storeys = building.storeys.unwrap_or(STOREYS);
+        area.footprints.push(Owned { chunk: owner, it: Footprint { id: i as u64, lot: 0, polygon, storeys } });
     }
-    Ok(area)
+    area
 }

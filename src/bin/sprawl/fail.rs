@@ -2,6 +2,7 @@
 
 use bevy_sprawl::export::ExportError;
 use bevy_sprawl::layer::{FileError, LayerError};
+use bevy_sprawl::map::MapError;
 use bevy_sprawl::world::WorldError;
 use std::io;
 use std::process::ExitCode;
@@ -68,13 +69,14 @@ impl From<clap::Error> for Fail {
 
 impl From<FileError> for Fail {
     fn from(error: FileError) -> Self {
-        Self::input(describe(&error))
+        Self::input(error)
     }
 }
 
-/// A file's error in one line, without a place where the file could not be read at all.
-pub fn describe(error: &FileError) -> String {
-    if error.line == 0 { format!("{}: {}", error.file, error.reason) } else { error.to_string() }
+impl From<MapError> for Fail {
+    fn from(error: MapError) -> Self {
+        Self::input(error)
+    }
 }
 
 impl From<WorldError> for Fail {

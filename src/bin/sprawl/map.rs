@@ -98,6 +98,8 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         return Err(Fail::input(format!("--size {} is too large for a GLB: at most {GLB_MOST} m", args.size)));
     }
     check_flags(args, format)?;
+    // Whatever may be refused is read before the world is made.
+    let real = args.beside.as_ref().map(|path| beside::read(path, args.beside_at, args.size)).transpose()?;
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
     // A file that cannot be written is refused before the work.
@@ -135,8 +137,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         };
         let usual = MapStyle::default();
         let style = MapStyle { pixels: args.pixels.unwrap_or(usual.pixels), colouring, ..usual };
-        let size = world.settings().chunk_size;
-        let real = args.beside.as_ref().map(|path| beside::area(path, args.beside_at, args.size, size)).transpose()?;
+        let real = real.as_ref().map(|map| beside::area(map, world.settings().chunk_size));
         let draw = || match &real {
             Some(real) => {
                 let real = Plan { area: real, outlines: &[], terrain: &beside::Plain, ..plan };
@@ -148,6 +149,9 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         work::pool(common)?.install(draw)?;
         for (key, count) in counts(&area) {
             report[key] = json!(count);
+        }
+        if let Some(real) = &real {
+            report["beside"] = counts(real).into_iter().map(|(key, count)| (key.to_owned(), json!(count))).collect();
         }
         counts(&area).map(|(key, count)| format!("{count} {key}")).join(", ")
     };

@@ -3,7 +3,7 @@
 mod args;
 mod compare;
 mod ground;
-pub mod reference;
+mod reference;
 mod report;
 
 use crate::common::{Common, Flag};
@@ -57,7 +57,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let step = args.step.or(given).unwrap_or_else(|| usual_step(domain, cell, &settlements));
     let roads = roads(file.as_ref(), step, args.gamma)?;
     let real = match &args.reference {
-        Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref())?),
+        Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref(), domain)?),
         None => None,
     };
     let mut out = Output::create(&args.output, &inputs(common, args))?;
@@ -68,7 +68,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let built = start.elapsed();
     let compared = real.as_ref().map(|real| Comparison::new(&network, real));
     let area = export::network(&network, settings.chunk_size);
-    let real = real.map(|real| export::lines(domain, real, settings.chunk_size));
+    let real = real.map(|map| export::lines(domain, reference::roads(&map), settings.chunk_size));
     let plan = Plan {
         area: &area,
         outlines: &network.outlines,
@@ -87,9 +87,11 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["step_m"] = json!(step);
     report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
     let mut people = report::people(&network, &report);
-    if let (Some(compared), Some(path)) = (compared, &args.reference) {
+    if let Some(projection) = geographic {
+        report["projection"] = report::projection(&projection);
+    }
+    if let Some(compared) = compared {
         report["reference"] = compared.json();
-        report["reference"]["file"] = json!(path.to_string_lossy());
         people += &compared.people();
     }
     work::print(common, &report, &people)

@@ -1,62 +1,68 @@
-//! How near the roads of a network lie to real ones, and straight lines between the same settlements.
+//! How close the roads of a network lie to real ones, compared with straight lines between the same settlements.
 
-use bevy_sprawl::export::RoadLine;
+use bevy_sprawl::map::{Map, MapReport};
 use bevy_sprawl::region::RoadNetwork;
-use bevy_sprawl::space::{Bounds, resample, segments};
+use bevy_sprawl::space::{resample, segments};
 use glam::DVec2;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
 use serde_json::{Value, json};
 
-/// Points of lines lie this far apart, in metres.
+/// Distance between the points that are measured along a line, in metres.
 const SPACING: f64 = 50.0;
-/// Within this distance in metres a point lies near a line.
-const NEAR: f64 = 500.0;
+/// A point within this distance of a line is close to it, in metres.
+const CLOSE: f64 = 500.0;
 
-/// Distances of points along some lines to the nearest of others.
+/// Distances from points along some lines to the nearest of other lines.
 pub struct Distances {
-    /// Distance of a point, and the length of the piece of line that it stands for, in metres; sorted.
-    sorted: Vec<(f64, f64)>,
-    /// Length in metres of the lines, as far as they lie in the domain.
+    /// Distance of each point, and the length of line that the point stands for, in metres.
+    measured: Vec<(f64, f64)>,
+    /// Length of the lines in metres.
     length: f64,
 }
 
 impl Distances {
-    /// From points in `domain` along `lines` to the nearest of `to`.
-    fn of(lines: &[Vec<DVec2>], to: &Lines, domain: Bounds) -> Self {
-        let mut sorted = Vec::new();
+    /// From points along `lines` to the nearest of `to`.
+    fn of(lines: &[Vec<DVec2>], to: &Lines) -> Self {
+        let mut measured = Vec::new();
         for line in lines {
             let points = resample(line, SPACING);
-            let inside = segments(&points).map(|(a, b)| (a.lerp(b, 0.5), a.distance(b)));
-            let inside = inside.filter(|(middle, _)| domain.contains(*middle));
-            sorted.extend(inside.filter_map(|(middle, length)| Some((to.nearest(middle)?, length))));
+            let pieces = segments(&points).map(|(a, b)| (a.lerp(b, 0.5), a.distance(b)));
+            measured.extend(pieces.filter_map(|(middle, length)| Some((to.nearest(middle)?, length))));
         }
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let length = sorted.iter().map(|(_, length)| length).sum();
-        Self { sorted, length }
+        let length = measured.iter().fold(0.0, |sum, (_, length)| sum + length);
+        Self { measured, length }
     }
 
-    /// Mean distance in metres.
-    pub fn mean(&self) -> f64 {
-        self.sorted.iter().map(|(distance, length)| distance * length).sum::<f64>() / self.length.max(1e-9)
+    /// Mean distance in metres; `None` of nothing.
+    pub fn mean(&self) -> Option<f64> {
+        let sum = self.measured.iter().fold(0.0, |sum, (distance, length)| sum + distance * length);
+        (self.length > 0.0).then(|| sum / self.length)
     }
 
-    /// Share of the length that lies near, 0 to 1.
-    pub fn near(&self) -> f64 {
-        let near = self.sorted.iter().filter(|(distance, _)| *distance <= NEAR);
-        near.map(|(_, length)| length).sum::<f64>() / self.length.max(1e-9)
+    /// Share of the length that is close, 0 to 1; `None` of nothing.
+    pub fn share_close(&self) -> Option<f64> {
+        let close = self.measured.iter().filter(|(distance, _)| *distance <= CLOSE);
+        (self.length > 0.0).then(|| close.fold(0.0, |sum, (_, length)| sum + length) / self.length)
     }
 
     fn json(&self) -> Value {
         json!({
             "length_m": self.length.round(),
-            "mean_m": self.mean().round(),
-            "share_within_500_m": (self.near() * 1e3).round() / 1e3,
+            "mean_m": self.mean().map(f64::round),
+            "share_within_500_m": self.share_close().map(|share| (share * 1e3).round() / 1e3),
         })
+    }
+
+    fn words(&self) -> String {
+        match self.mean().zip(self.share_close()) {
+            Some((mean, share)) => format!("{mean:.0} m on average, {:.0} % within {CLOSE} m", 100.0 * share),
+            None => "there are none".into(),
+        }
     }
 }
 
-/// Segments of lines, to find the nearest.
+/// Segments of lines, indexed to find the nearest.
 struct Lines(RTree<Line<[f64; 2]>>);
 
 impl Lines {
@@ -65,45 +71,55 @@ impl Lines {
         Self(RTree::bulk_load(all.collect()))
     }
 
-    /// Distance to the nearest line; `None` without any.
+    /// Distance to the nearest line; `None` if there is no line.
     fn nearest(&self, p: DVec2) -> Option<f64> {
         let p = p.to_array();
         Some(self.0.nearest_neighbor(p)?.distance_2(&p).sqrt())
     }
 }
 
-/// All that is compared.
+/// A network beside real roads.
 pub struct Comparison {
-    /// Our roads to real ones, and straight lines between linked settlements to real ones.
+    /// From the network's roads to the real ones.
     pub ours: Distances,
+    /// From straight lines between linked settlements to the real roads.
     pub straight: Distances,
-    /// Real roads to ours, and to the straight lines.
+    /// From the real roads to the network's.
     pub real: Distances,
+    /// From the real roads to the straight lines.
     pub real_straight: Distances,
+    /// What was read of the real roads.
+    pub report: MapReport,
 }
 
 impl Comparison {
-    /// Compares in the domain of a network.
-    pub fn new(network: &RoadNetwork, real: &[RoadLine]) -> Self {
-        let real: Vec<Vec<DVec2>> = real.iter().map(|r| r.line.clone()).collect();
+    /// Compares a network with real roads that are clipped to its domain.
+    pub fn new(network: &RoadNetwork, map: &Map) -> Self {
+        let real: Vec<Vec<DVec2>> = map.streets.iter().map(|s| map.line(s)).collect();
         let ours: Vec<Vec<DVec2>> =
             network.roads.iter().map(|r| r.street.line.iter().map(|p| r.origin.to_plan(*p)).collect()).collect();
         let at = |id| network.settlements.iter().find(|s| s.id == id).map(|s| s.centre.plan());
         let straight: Vec<Vec<DVec2>> =
             network.links.iter().filter_map(|l| Some(vec![at(l.from)?, at(l.to)?])).collect();
         let [to_real, to_ours, to_straight] = [&real, &ours, &straight].map(|lines| Lines::new(lines));
-        let of = |lines: &[Vec<DVec2>], to: &Lines| Distances::of(lines, to, network.domain);
         Self {
-            ours: of(&ours, &to_real),
-            straight: of(&straight, &to_real),
-            real: of(&real, &to_ours),
-            real_straight: of(&real, &to_straight),
+            ours: Distances::of(&ours, &to_real),
+            straight: Distances::of(&straight, &to_real),
+            real: Distances::of(&real, &to_ours),
+            real_straight: Distances::of(&real, &to_straight),
+            report: map.report.clone(),
         }
     }
 
-    /// As the report has it.
+    /// The comparison as the JSON report has it.
     pub fn json(&self) -> Value {
+        let left_out: serde_json::Map<String, Value> =
+            self.report.left_out.iter().map(|(reason, count)| (reason.key().into(), json!(count))).collect();
         json!({
+            "file": self.report.file,
+            "streets": self.report.streets,
+            "share_inside": (self.report.share_inside() * 1e3).round() / 1e3,
+            "left_out": left_out,
             "ours": self.ours.json(),
             "straight": self.straight.json(),
             "real_to_ours": self.real.json(),
@@ -111,17 +127,25 @@ impl Comparison {
         })
     }
 
-    /// In lines for people.
+    /// The comparison in lines for people.
     pub fn people(&self) -> String {
-        let of = |d: &Distances| format!("{:.0} m on average, {:.0} % within {NEAR} m", d.mean(), 100.0 * d.near());
+        let report = &self.report;
+        let left_out = match report.left_out_in_words() {
+            none if none.is_empty() => none,
+            reasons => format!("; left out: {reasons}"),
+        };
         format!(
-            "\nfrom these roads to real ones {} (straight lines: {})\nfrom {:.0} km of real roads to these {} (to \
-             straight lines: {})",
-            of(&self.ours),
-            of(&self.straight),
-            self.real.length / 1000.0,
-            of(&self.real),
-            of(&self.real_straight),
+            "\n{}: {} real roads, {:.1} km in the domain, {:.0} % of their length{left_out}\n\
+             from these roads to real ones: {} (straight lines: {})\n\
+             from real roads to these: {} (to straight lines: {})",
+            report.file,
+            report.streets,
+            report.length_inside / 1000.0,
+            100.0 * report.share_inside(),
+            self.ours.words(),
+            self.straight.words(),
+            self.real.words(),
+            self.real_straight.words(),
         )
     }
 }
@@ -132,11 +156,13 @@ mod tests {
 
     #[test]
     fn a_line_beside_another_lies_at_its_distance() {
-        let line = |y: f64| vec![vec![DVec2::new(0.0, y), DVec2::new(4000.0, y)]];
-        let domain = Bounds::new(DVec2::new(0.0, -900.0), DVec2::new(2000.0, 900.0));
-        let far = Distances::of(&line(0.0), &Lines::new(&line(600.0)), domain);
-        assert!((far.mean() - 600.0).abs() < 1e-6 && far.near() == 0.0 && (far.length - 2000.0).abs() < 26.0);
-        let near = Distances::of(&line(0.0), &Lines::new(&[line(600.0), line(-300.0)].concat()), domain);
-        assert!((near.mean() - 300.0).abs() < 1e-6 && near.near() == 1.0);
+        let line = |y: f64| vec![vec![DVec2::new(0.0, y), DVec2::new(2000.0, y)]];
+        let far = Distances::of(&line(0.0), &Lines::new(&line(600.0)));
+        assert!(far.mean().is_some_and(|m| (m - 600.0).abs() < 1e-6) && far.share_close() == Some(0.0));
+        assert!((far.length - 2000.0).abs() < 1e-6);
+        let close = Distances::of(&line(0.0), &Lines::new(&[line(600.0), line(-300.0)].concat()));
+        assert!(close.mean().is_some_and(|m| (m - 300.0).abs() < 1e-6) && close.share_close() == Some(1.0));
+        let nothing = Distances::of(&line(0.0), &Lines::new(&[]));
+        assert_eq!((nothing.mean(), nothing.words().as_str()), (None, "there are none"));
     }
 }

@@ -2,6 +2,7 @@
 
 use bevy_sprawl::network::StreetClass;
 use bevy_sprawl::region::{RoadNetwork, SettlementId};
+use bevy_sprawl::space::Geographic;
 use serde_json::{Value as Json, json};
 
 fn hex(id: u64) -> String {
@@ -42,6 +43,15 @@ pub fn json(network: &RoadNetwork) -> Json {
             "classes": classes.into_iter().map(|c| (c.name().to_owned(), of(c))).collect::<serde_json::Map<_, _>>(),
         },
         "unreached": network.unreached.iter().map(|id| name(network, *id)).collect::<Vec<_>>(),
+    })
+}
+
+/// How degrees became plan metres: a place at `x`,`y` metres lies at `middle + (x, y) / metres_per_degree` degrees.
+pub fn projection(projection: &Geographic) -> Json {
+    json!({
+        "kind": "local equirectangular",
+        "middle": projection.middle().to_array(),
+        "metres_per_degree": projection.metres_per_degree().to_array(),
     })
 }
 

@@ -1,58 +1,12 @@
 //! The `sprawl` program as its users meet it: what it writes, and how it refuses.
 
+mod maps;
+mod support;
+
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use std::sync::OnceLock;
-
-fn sprawl(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sprawl")).args(arguments).output().expect("the program starts")
-}
-
-/// stdout of a run that must succeed.
-fn out(arguments: &[&str]) -> String {
-    let output = sprawl(arguments);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {errors}");
-    assert!(errors.is_empty(), "{arguments:?} is not quiet: {errors}");
-    String::from_utf8(output.stdout).expect("UTF-8")
-}
-
-fn json(arguments: &[&str]) -> Value {
-    serde_json::from_str(&out(&[arguments, &["--json"]].concat())).expect("one JSON object")
-}
-
-/// The only line on stderr of a run that must be refused.
-fn refused(arguments: &[&str]) -> String {
-    let output = sprawl(arguments);
-    let line = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {line}");
-    assert_eq!(line.lines().count(), 1, "{arguments:?}: {line}");
-    line
-}
-
-/// A file in a folder of this test run.
-fn file(name: &str, content: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    if !content.is_empty() {
-        std::fs::write(&path, content).expect("the folder can be written");
-    }
-    path
-}
-
-/// `x,y` of the city of seed 5 that is nearest to the origin.
-fn city() -> &'static str {
-    static PLACE: OnceLock<String> = OnceLock::new();
-    PLACE.get_or_init(|| {
-        let found = json(&["settlements", "--seed", "5", "--size", "32000"]);
-        let cities = found["settlements"].as_array().expect("a list").iter().filter(|s| s["sigma"] == 2);
-        let at = |s: &Value| (s["x"].as_f64().expect("a number"), s["y"].as_f64().expect("a number"));
-        let square = |(x, y): (f64, f64)| x * x + y * y;
-        let nearest = cities.map(at).min_by(|a, b| square(*a).total_cmp(&square(*b)));
-        let (x, y) = nearest.expect("a city within 16 km");
-        format!("{x},{y}")
-    })
-}
+use std::path::Path;
+use std::process::Command;
+use support::{TOWNS, city, country, file, json, out, refused, sprawl};
 
 #[test]
 fn bad_input_is_refused_in_one_line() {
@@ -335,54 +289,10 @@ fn every_format_is_written_and_the_map_passes_a_strangers_check() {
 }
 
 #[test]
-fn a_real_town_is_drawn_beside_one_of_the_world() {
-    let node = |id: usize, x: f64, y: f64| format!("<node id=\"{id}\" lon=\"{}\" lat=\"{}\"/>", 8.0 + x, 49.0 + y);
-    let nodes: String = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)]
-        .iter()
-        .enumerate()
-        .map(|(i, (x, y))| node(i + 1, *x, *y))
-        .collect();
-    let way = |id: u32, refs: &[u32], tag: &str| {
-        let refs: String = refs.iter().map(|r| format!("<nd ref=\"{r}\"/>")).collect();
-        format!("<way id=\"{id}\">{refs}{tag}</way>")
-    };
-    let street = way(1, &[1, 2, 3], "<tag k=\"highway\" v=\"residential\"/>");
-    let house = way(2, &[1, 2, 3, 4, 1], "<tag k=\"building\" v=\"yes\"/>");
-    let real = file("real.osm", &format!("<osm version=\"0.6\">{nodes}{street}{house}</osm>"));
-    let (real, drawn) = (real.to_string_lossy(), file("beside.svg", ""));
-    let drawn = drawn.to_string_lossy();
-    let map = ["map", "--seed", "5", "--at", city(), "--size", "400", "--beside", &real, "-o"];
-    out(&[&map[..], &[&drawn, "--colour-by", "origin", "--pixels", "300"]].concat());
-    let picture = std::fs::read_to_string(&*drawn).expect("a file");
-    assert!(picture.contains("THIS WORLD") && picture.contains("A REAL TOWN"), "both are named");
-    assert!(picture.contains("REPAIR") && picture.contains("BUILDING"), "colours are explained");
-    assert!(refused(&[&map[..], &["town.osm"]].concat()).contains("--beside"));
-    let empty = file("empty.osm", "<osm version=\"0.6\"></osm>");
-    let of_nothing = ["map", "--size", "400", "--beside", &empty.to_string_lossy(), "-o", &drawn];
-    assert!(refused(&of_nothing).contains("no street"));
-}
-
-#[test]
 fn negative_places_work_in_both_forms() {
     let spaced = json(&["settlements", "--at", "-7000,-500", "--size", "9000"]);
     assert_eq!(spaced, json(&["settlements", "--at=-7000,-500", "--size=9000"]));
 }
-
-/// Hills with a bay in the east, 60 by 40 cells of 250 m, and a CSV file of settlements; their paths.
-fn country(name: &str, settlements: &str) -> [String; 2] {
-    let height = |x: i32, y: i32| {
-        30 + (x * 7 + y * 3) % 19 + 2 * ((x - 30) * (y - 20) / 40) - if x > 50 && y < 25 { 200 } else { 0 }
-    };
-    let rows: Vec<String> =
-        (0..40).rev().map(|y| (0..60).map(|x| height(x, y).to_string()).collect::<Vec<_>>().join(" ")).collect();
-    let head = "ncols 60\nnrows 40\nxllcorner 1000\nyllcorner -2000\ncellsize 250\n";
-    let grid = file(&format!("{name}.asc"), &format!("{head}{}\n", rows.join("\n")));
-    let table = file(&format!("{name}.csv"), settlements);
-    [grid, table].map(|p| p.to_string_lossy().into_owned())
-}
-
-const TOWNS: &str = "name,x,y,sigma\nEastcliff,13000,0,1\nWestham,2500,1000,2\nNorth Combe,6000,7000,0\nMid Lee,7000,2200,2\n\
-    Sandy,12500,6500,0\nFar Lee,4000,4600,0\n";
 
 #[test]
 fn roads_of_a_finite_domain() {
@@ -418,50 +328,6 @@ fn roads_of_a_finite_domain() {
     let mountains = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/settings/mountains.ron");
     let by_file = run("2", "mountains.geojson", &["--settings", mountains]).0;
     assert_eq!(by_file["unreached"], Value::Array(vec![]));
-}
-
-#[test]
-fn roads_are_compared_with_real_ones() {
-    let [grid, towns] = country("real", TOWNS);
-    // A road from town to town, one of a class that is not wanted, and one beyond the domain.
-    let line = |highway: &str, points: &str| {
-        format!(
-            "{{\"type\":\"Feature\",\"properties\":{{\"highway\":\"{highway}\"}},\"geometry\":\
-             {{\"type\":\"LineString\",\"coordinates\":[{points}]}}}}"
-        )
-    };
-    let all = [
-        line("primary_link", "[2500,1000],[7000,2200]"),
-        line("track", "[13000,0],[13000,9]"),
-        line("trunk", "[7000,2200],[99000,2200]"),
-    ];
-    let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", all.join(","));
-    let real = file("real.geojson", &text).to_string_lossy().into_owned();
-    let out = file("real.png", "").to_string_lossy().into_owned();
-    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "--reference", &real, "-o", &out];
-    let of = |more: &[&str]| json(&[&base[..], more].concat())["reference"].clone();
-    let report = of(&["--pixels", "200"]);
-    let metres = |v: &Value| v.as_f64().expect("metres");
-    // 4,657 m to Mid Lee, and on to the border at 16,000 m.
-    assert!((metres(&report["real_to_ours"]["length_m"]) - 13_657.0).abs() < 60.0, "{report}");
-    assert!(metres(&report["ours"]["mean_m"]) > 300.0 && metres(&report["straight"]["share_within_500_m"]) < 1.0);
-    let other = of(&["--reference-classes", "primary", "--compare", "--pixels", "200"]);
-    assert!((metres(&other["real_to_straight"]["length_m"]) - 4_657.0).abs() < 60.0, "{other}");
-    let picture = std::fs::read(&out).expect("a picture");
-    let size: Vec<u32> = picture[16..24].chunks(4).map(|b| b.iter().fold(0, |n, b| n << 8 | u32::from(*b))).collect();
-    assert_eq!(size, [400, 133]);
-    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--reference"];
-    for (name, content, expected) in [
-        ("real.osm", "<osm/>", "OpenStreetMap has degrees"),
-        ("real.txt", "", "must end in .osm .osm.pbf .geojson"),
-        ("empty.geojson", "{\"type\":\"FeatureCollection\",\"features\":[]}", "no road of the classes motorway,trunk,"),
-        ("broken.geojson", "{", "broken.geojson: no readable GeoJSON"),
-        ("far.geojson", &line("trunk", "[0,0],[1e300,0]"), "far.geojson: a road has a point at 1"),
-    ] {
-        let path = file(name, content).to_string_lossy().into_owned();
-        let line = refused(&[&base[..], &[&path]].concat());
-        assert!(line.contains(expected), "{line}");
-    }
 }
 
 #[test]

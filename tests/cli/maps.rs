@@ -1,0 +1,164 @@
+//! Real maps: as roads to compare with, and as towns to draw beside one of a world.
+
+use crate::support::{TOWNS, city, country, file, json, out, refused};
+use serde_json::Value;
+
+#[test]
+fn a_real_town_is_drawn_beside_one_of_the_world() {
+    let node = |id: usize, x: f64, y: f64| format!("<node id=\"{id}\" lon=\"{}\" lat=\"{}\"/>", 8.0 + x, 49.0 + y);
+    let nodes: String = [(0.0, 0.0), (0.001, 0.0), (0.001, 0.001), (0.0, 0.001)]
+        .iter()
+        .enumerate()
+        .map(|(i, (x, y))| node(i + 1, *x, *y))
+        .collect();
+    let way = |id: u32, refs: &[u32], tag: &str| {
+        let refs: String = refs.iter().map(|r| format!("<nd ref=\"{r}\"/>")).collect();
+        format!("<way id=\"{id}\">{refs}{tag}</way>")
+    };
+    let street = way(1, &[1, 2, 3], "<tag k=\"highway\" v=\"residential\"/>");
+    let house = way(2, &[1, 2, 3, 4, 1], "<tag k=\"building\" v=\"yes\"/>");
+    let real = file("real.osm", &format!("<osm version=\"0.6\">{nodes}{street}{house}</osm>"));
+    let (real, drawn) = (real.to_string_lossy(), file("beside.svg", ""));
+    let drawn = drawn.to_string_lossy();
+    let map = ["map", "--seed", "5", "--at", city(), "--size", "400", "--beside", &real, "-o"];
+    out(&[&map[..], &[&drawn, "--colour-by", "origin", "--pixels", "300"]].concat());
+    let picture = std::fs::read_to_string(&*drawn).expect("a file");
+    assert!(picture.contains("THIS WORLD") && picture.contains("A REAL TOWN"), "both are named");
+    assert!(picture.contains("REPAIR") && picture.contains("BUILDING"), "colours are explained");
+    assert!(refused(&[&map[..], &["town.osm"]].concat()).contains("--beside"));
+    let empty = file("empty.osm", "<osm version=\"0.6\"></osm>");
+    let house = |kind: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"building\":\"yes\"}},\"geometry\":{{\"type\":\"{kind}\",\"coordinates\":\
+             [[[8,49],[8.001,49],[8.001,49.001],[8,49]]]}}}}"
+        )
+    };
+    let street = "{\"type\":\"Feature\",\"properties\":{\"highway\":\"residential\"},\"geometry\":\
+        {\"type\":\"LineString\",\"coordinates\":[[8,49],[8.001,49]]}}";
+    let features = [street, &house("Polygon"), &house("MultiLineString")].join(",");
+    let town =
+        file("town-with-house.geojson", &format!("{{\"type\":\"FeatureCollection\",\"features\":[{features}]}}"));
+    let map = ["map", "--seed", "5", "--size", "400", "--beside", &town.to_string_lossy(), "-o", &drawn];
+    let beside = json(&map)["beside"].clone();
+    assert_eq!((&beside["streets"], &beside["buildings"]), (&Value::from(1), &Value::from(2)), "{beside}");
+    // The map is read before the world is made, so that a wrong one is refused at once.
+    let slow = ["--settings", "missing.ron"];
+    let of_nothing = [&["map", "--beside", "missing.osm", "-o", &drawn][..], &slow].concat();
+    assert!(refused(&of_nothing).contains("missing.osm"));
+    let of_nothing = ["map", "--size", "400", "--beside", &empty.to_string_lossy(), "-o", &drawn];
+    assert!(refused(&of_nothing).contains("no street"));
+}
+
+#[test]
+fn roads_are_compared_with_real_ones() {
+    let [grid, towns] = country("real", TOWNS);
+    // A road from town to town, one of a class that is not wanted, and one beyond the domain.
+    let line = |highway: &str, points: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"highway\":\"{highway}\"}},\"geometry\":\
+             {{\"type\":\"LineString\",\"coordinates\":[{points}]}}}}"
+        )
+    };
+    let all = [
+        line("primary_link", "[2500,1000],[7000,2200]"),
+        line("track", "[13000,0],[13000,9]"),
+        line("trunk", "[7000,2200],[99000,2200]"),
+    ];
+    let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", all.join(","));
+    let real = file("real.geojson", &text).to_string_lossy().into_owned();
+    let out = file("real.png", "").to_string_lossy().into_owned();
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "--reference", &real, "-o", &out];
+    let of = |more: &[&str]| json(&[&base[..], more].concat())["reference"].clone();
+    let report = of(&["--pixels", "200"]);
+    let metres = |v: &Value| v.as_f64().expect("metres");
+    // 4,657 m to Mid Lee, and on to the border at 16,000 m.
+    assert!((metres(&report["real_to_ours"]["length_m"]) - 13_657.0).abs() < 60.0, "{report}");
+    assert!(metres(&report["ours"]["mean_m"]) > 300.0 && metres(&report["straight"]["share_within_500_m"]) < 1.0);
+    assert_eq!(
+        (&report["streets"], &report["left_out"]["other_class"]),
+        (&Value::from(2), &Value::from(1)),
+        "{report}"
+    );
+    let share = metres(&report["share_inside"]);
+    assert!((share - 13_657.0 / 96_657.0).abs() < 0.002, "{report}");
+    let other = of(&["--reference-classes", "primary", "--compare", "--pixels", "200"]);
+    assert!((metres(&other["real_to_straight"]["length_m"]) - 4_657.0).abs() < 60.0, "{other}");
+    let picture = std::fs::read(&out).expect("a picture");
+    let size: Vec<u32> = picture[16..24].chunks(4).map(|b| b.iter().fold(0, |n, b| n << 8 | u32::from(*b))).collect();
+    assert_eq!(size, [400, 133]);
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--reference"];
+    for (name, content, expected) in [
+        ("real.osm", "<osm/>", "OpenStreetMap has degrees"),
+        ("real.txt", "", "must end in .osm .osm.pbf .geojson"),
+        (
+            "empty.geojson",
+            "{\"type\":\"FeatureCollection\",\"features\":[]}",
+            "no street of the classes motorway,trunk,",
+        ),
+        ("broken.geojson", "{", "broken.geojson:1:1: no readable GeoJSON"),
+        ("elsewhere.geojson", &line("trunk", "[90000,0],[99000,0]"), "none of its 1 roads lies in the domain"),
+        ("far.geojson", &line("trunk", "[0,0],[1e300,0]"), "far.geojson: a place at 1"),
+    ] {
+        let path = file(name, content).to_string_lossy().into_owned();
+        let line = refused(&[&base[..], &[&path]].concat());
+        assert!(line.contains(expected), "{line}");
+    }
+}
+
+#[test]
+fn real_roads_come_as_people_have_them() {
+    let height = |x: i32, y: i32| (100 + (x * 7 + y * 3) % 19).to_string();
+    let rows: Vec<String> = (0..20).map(|y| (0..20).map(|x| height(x, y)).collect::<Vec<_>>().join(" ")).collect();
+    let head = "ncols 20\nnrows 20\nxllcorner 9.0\nyllcorner 47.0\ncellsize 0.002\n";
+    let path = |name: &str, content: &str| file(name, content).to_string_lossy().into_owned();
+    let grid = path("degrees.asc", &format!("{head}{}\n", rows.join("\n")));
+    let towns = path("degrees.csv", "name,lon,lat,sigma\nA,9.006,47.006,0\nB,9.034,47.03,0\n");
+    let out = path("degrees.svg", "");
+    let base = ["roads", "--geographic", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--reference"];
+    let nodes = "<node id='1' lat='47.004' lon='9.004'/><node id='2' lat='47.006' lon='9.010'/>\
+        <node id='3' lat='47.03' lon='9.036'/>";
+    let way = |with: &str, nodes: &str| {
+        format!("<way id='1{}' {with}>{nodes}<tag k='highway' v='primary'/></way>", with.len())
+    };
+    let alive = way("", "<nd ref='1'/><nd ref='2'/>");
+    let osm = |body: &str| format!("<osm version='0.6'>{body}</osm>");
+    let deleted = way("action='delete'", "<nd ref='2'/><nd ref='3'/>");
+    let invisible = way("visible='false'", "<nd ref='2'/><nd ref='3'/>");
+    let geom = way("", "<nd ref='1' lat='47.004' lon='9.004'/><nd ref='2' lat='47.006' lon='9.01'/>");
+    let line = "{\"type\":\"Feature\",\"properties\":{\"highway\":\"primary\"},\"geometry\":{\"type\":\"LineString\",\
+        \"coordinates\":[[9.004,47.004],[9.01,47.006]]}}";
+    let river =
+        line.replace("\"highway\":\"primary\"", "\"highway\":null,\"waterway\":\"river\"").replace("9.01,", "9.03,");
+    let json_of = |features: &str| format!("{{\"type\":\"FeatureCollection\",\"features\":[{features}]}}");
+    for (name, content) in [
+        ("alive.osm", osm(&format!("{nodes}{alive}"))),
+        ("deleted.osm", osm(&format!("{nodes}{alive}{deleted}{invisible}"))),
+        ("geom.osm", osm(&geom)),
+        ("mark.geojson", format!("\u{feff}{}", json_of(line))),
+        ("river.geojson", json_of(&format!("{line},{river}"))),
+    ] {
+        let report = json(&[&base[..], &[&path(name, &content)]].concat());
+        let length = report["reference"]["real_to_ours"]["length_m"].as_f64().expect("metres");
+        assert!((length - 507.0).abs() < 1.0, "{name}: {report}");
+        assert_eq!(report["reference"]["share_inside"].as_f64(), Some(1.0), "{name}");
+        assert!(report["projection"]["middle"][0].as_f64().is_some_and(|x| (x - 9.02).abs() < 0.01), "{report}");
+    }
+    let cut = osm(&format!("{nodes}{alive}")).replace("</osm>", "");
+    let swapped = json_of(&line.replace("[9.004,47.004],[9.01,47.006]", "[47.004,9.004],[47.03,9.036]"));
+    for (name, content, expected) in [
+        ("cut.osm", cut, "the file ends before </osm>"),
+        ("swapped.geojson", swapped, "lies in the domain; some would with longitude and latitude swapped"),
+        ("rivers.geojson", json_of(&river), "left out: 1 neither street nor building"),
+        ("far.geojson", json_of(&line.replace("9.01,", "1e10,")), "no longitude and latitude"),
+    ] {
+        let line = refused(&[&base[..], &[&path(name, &content)]].concat());
+        assert!(line.contains(expected), "{line}");
+    }
+    let endless = path("endless.osm", "");
+    #[cfg(unix)]
+    if std::os::unix::fs::symlink("/dev/zero", &endless).is_ok() {
+        let line = refused(&[&base[..], &[&endless]].concat());
+        std::fs::remove_file(&endless).expect("a link");
+        assert!(line.contains("larger than 512 MiB"), "{line}");
+    }
+}
