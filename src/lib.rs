@@ -52,9 +52,11 @@ pub mod world;
 pub mod prelude {
     #[cfg(feature = "bevy")]
     pub use crate::plugin::{
-        AssetOrigin, AssetRejected, ChunkData, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded,
-        EditRejected, OriginShifted, RejectedEdits, ShiftsWithOrigin, Sprawl, SprawlGizmos, SprawlOrigin, SprawlPlugin,
-        SprawlSource, SprawlStats, SprawlSystems, StreamAnchor, StreamSettings, TerrainSource, WorldChanged,
+        AssetMended, AssetOrigin, AssetRejected, ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkPart,
+        ChunkReady, ChunkStatus, ChunkUnloaded, EditRejected, NoAnswer, OriginSettings, OriginShifted, RejectedEdits,
+        ShiftsWithOrigin, SpawnPoint, Sprawl, SprawlGizmos, SprawlMaterials, SprawlOrigin, SprawlPlugin, SprawlSource,
+        SprawlStats, SprawlSystems, SprawlTask, SprawlWorld, StartOnStreet, StreamAnchor, StreamSettings,
+        TerrainSource, WorldChanged, WorldMended, WorldRejected,
     };
     pub use crate::space::{ChunkCoord, Origin, Seed};
 }

@@ -1,8 +1,9 @@
 //! The plugin as a server runs it: without a window, without a renderer, with the real generator.
 
 use bevy::prelude::*;
+use bevy::tasks::block_on;
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::plugin::{ChunkDetail, SprawlEdits, SprawlWorld, WorldRejected};
+use bevy_sprawl::plugin::SprawlEdits;
 use bevy_sprawl::prelude::*;
 use bevy_sprawl::terrain::{Band, Holes, Raster, RasterTerrain, Terrain};
 use bevy_sprawl::world::World as Sprawled;
@@ -78,12 +79,18 @@ fn check_chunks(app: &mut App) -> usize {
 fn three_lines_put_a_player_on_a_street_with_ground_around() {
     let mut app = app(SprawlPlugin::new(42), AssetPlugin::default());
     let player = app.world_mut().spawn(anchor()).id();
+    // The place is searched in the background.
+    app.update();
+    assert!(app.world().get::<StartOnStreet>(player).is_some());
+    let first_frame = app.world().resource::<SprawlStats>().main_thread_ms;
+    assert!(first_frame < 100.0, "{first_frame} ms");
     settle(&mut app);
+    assert!(app.world().get::<StartOnStreet>(player).is_none());
     assert!(check_chunks(&mut app) >= 4);
     let at = app.world().get::<Transform>(player).expect("it is there").translation;
     let (ground, street, ready) =
         ask(&mut app, move |s| (s.height(at), s.nearest_street(at, 5.0).map(|s| s.distance), s.is_ready(at)));
-    assert!((at.y - ground.expect("there is ground") - 1.7).abs() < 0.01);
+    assert!((at.y - ground.expect("there is ground")).abs() < 0.01, "its feet are on the ground");
     assert!(street.expect("there is a street") < 0.1);
     assert!(ready);
     assert!(app.world().get_resource::<Assets<Mesh>>().is_none(), "nothing could draw a mesh");
@@ -100,6 +107,26 @@ fn three_lines_put_a_player_on_a_street_with_ground_around() {
 }
 
 #[test]
+fn a_start_place_is_asked_for_by_component() {
+    let mut app = app(SprawlPlugin::new(42), AssetPlugin::default());
+    let camera = app.world_mut().spawn((Camera3d::default(), StartOnStreet::default())).id();
+    let tree = app.world_mut().spawn(StartOnStreet { height: Some(-0.5) }).id();
+    let moved = app.world_mut().spawn(StartOnStreet::default()).id();
+    app.update();
+    app.world_mut().get_mut::<Transform>(moved).expect("it is there").translation = Vec3::new(7.0, 8.0, 9.0);
+    run_until(&mut app, "all places are found", |app| {
+        [camera, tree, moved].into_iter().all(|e| app.world().get::<StartOnStreet>(e).is_none())
+    });
+    let at = |app: &App, e: Entity| app.world().get::<Transform>(e).expect("it is there").translation;
+    for (entity, height) in [(camera, 1.7), (tree, -0.5)] {
+        let at = at(&app, entity);
+        let ground = ask(&mut app, move |s| s.height(at)).expect("there is ground");
+        assert!((at.y - ground - height).abs() < 0.01, "{at} over {ground}");
+    }
+    assert_eq!(at(&app, moved), Vec3::new(7.0, 8.0, 9.0), "the game has put it elsewhere");
+}
+
+#[test]
 fn far_out_the_same_world_is_near_the_origin() {
     let far = DVec2::new(3.0e8, -2.0e8);
     let mut app = app(SprawlPlugin::new(7).starting_at(far), AssetPlugin::default());
@@ -107,7 +134,7 @@ fn far_out_the_same_world_is_near_the_origin() {
     let log = shifts.clone();
     app.add_observer(move |shift: On<OriginShifted>| log.lock().expect("not poisoned").push(shift.by));
     let player = app.world_mut().spawn(anchor()).id();
-    let friend = app.world_mut().spawn((ShiftsWithOrigin, Transform::from_xyz(10.0, 0.0, 0.0))).id();
+    let friend = app.world_mut().spawn(Transform::from_xyz(10.0, 0.0, 0.0)).id();
     settle(&mut app);
     let at = |app: &App, e: Entity| app.world().get::<Transform>(e).expect("it is there").translation;
     let before = app.world().resource::<SprawlOrigin>().to_plan(at(&app, friend));
@@ -121,23 +148,44 @@ fn far_out_the_same_world_is_near_the_origin() {
 }
 
 #[test]
-fn questions_are_answered_anywhere() {
+fn questions_are_answered_from_loaded_chunks_or_in_the_background() {
     let mut app = app(SprawlPlugin::new(42), AssetPlugin::default());
     app.update();
-    let (start, town) = ask(&mut app, |s| {
-        let start = s.spawn_point(Vec3::ZERO).expect("there is a street somewhere");
-        (start, s.nearest_town(start.position).expect("there is a town"))
-    });
+    let start = block_on(ask(&mut app, |s| s.spawn_point(Vec3::ZERO))).expect("there is a street somewhere");
+    let position = start.position(*app.world().resource::<SprawlOrigin>());
+    let town = block_on(ask(&mut app, move |s| s.nearest_town(position))).expect("there is a town");
     let centre = town.centre.plan();
-    let (there, name) = ask(&mut app, move |s| {
-        let there = s.on_ground(centre).expect("there is ground");
-        (there, s.settlement_at(there).map(|t| t.name.clone()))
-    });
-    assert_eq!(name.as_ref(), Some(&town.name));
-    let (back, way) = ask(&mut app, move |s| (s.to_plan(there), s.route(start.position, there)));
+    let there = ask(&mut app, move |s| s.on_ground(centre)).expect("there is ground");
+    let back = ask(&mut app, move |s| s.to_plan(there));
     assert!(back.distance(centre) < 0.01);
-    let way = way.expect("streets of a town are connected");
-    assert!(way.length >= start.position.xz().distance(there.xz()) as f64 - 200.0);
+    let way = block_on(ask(&mut app, move |s| s.route(position, there))).expect("streets of a town are connected");
+    assert!(way.length >= position.xz().distance(there.xz()) as f64 - 200.0);
+    let none = block_on(ask(&mut app, |s| s.ask(|_, _| Ok(None::<u8>))));
+    assert_eq!(none, Err(NoAnswer::NotFound));
+
+    // Nothing is loaded yet.
+    let known = move |s: &Sprawl| (s.settlement_at(there).map(|t| t.id), s.nearest_street(there, 300.0));
+    assert_eq!(ask(&mut app, known), (None, None));
+    assert_eq!(ask(&mut app, |s| s.height(Vec3::splat(3.0e38))), None, "outside of the world");
+    let at = Transform::from_translation(there);
+    app.world_mut().spawn((StreamAnchor { start_on_street: false, ..anchor() }, at));
+    settle(&mut app);
+    let (settlement, street) = ask(&mut app, known);
+    assert_eq!(settlement, Some(town.id));
+    let street = street.expect("there is a street");
+    let expected = world(&app).nearest_street(back, 300.0, &Cancel::new()).expect("it can be made");
+    let expected = expected.expect("there is a street");
+    assert_eq!((street.street.id, street.distance), (expected.street.id, expected.distance));
+    let (id, end) = (street.street.id, street.street.from);
+    assert_eq!(ask(&mut app, move |s| s.street(id).map(|(_, street)| street.from)), Some(end));
+    assert!(ask(&mut app, move |s| s.junction(end).is_some_and(|(_, junction)| junction.id == end)));
+}
+
+#[test]
+fn a_question_without_a_world_has_no_answer() {
+    let mut app = app(SprawlPlugin::new(1).edits_from("missing/wishes.edits.ron"), AssetPlugin::default());
+    let town = ask(&mut app, |s| s.nearest_town(Vec3::ZERO));
+    assert_eq!(block_on(town), Err(NoAnswer::NoWorld));
 }
 
 /// A copy of the bundled assets that a test may change.
@@ -168,7 +216,7 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
     let (no, yes) = (rejected.clone(), remade.clone());
     app.add_observer(move |event: On<AssetRejected>| no.lock().expect("not poisoned").push(event.clone()));
     app.add_observer(move |event: On<ChunkReady>| {
-        if !event.first {
+        if event.change == ChunkChange::Data {
             yes.lock().expect("not poisoned").push(event.coord);
         }
     });
@@ -176,7 +224,7 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
     let player = app.world_mut().spawn(anchor()).id();
     settle(&mut app);
     let at = app.world().get::<Transform>(player).expect("it is there").translation;
-    let style = ask(&mut app, move |s| s.settlement_at(at).or(s.nearest_town(at))).expect("a town").style.clone();
+    let style = block_on(ask(&mut app, move |s| s.nearest_town(at))).expect("a town").style.clone();
     let (asset, file) = (format!("sprawl/styles/{style}.ron"), root.join(format!("sprawl/styles/{style}.ron")));
     let good = std::fs::read_to_string(&file).expect("the style");
     let loaded = check_chunks(&mut app);
@@ -229,6 +277,60 @@ fn saved_files_change_what_depends_on_them_and_mistakes_change_nothing() {
 }
 
 #[test]
+fn files_moved_into_place_are_loaded_and_mistakes_are_located_and_mended() {
+    let root = folder("moved");
+    let watch_for_changes_override = Some(true);
+    let file_path = root.to_string_lossy().into_owned();
+    let assets = AssetPlugin { file_path, watch_for_changes_override, ..default() };
+    std::fs::write(root.join("wishes.edits.ron"), "()").expect("written");
+    let mut app = app(SprawlPlugin::new(42).assets_from("sprawl").edits_from("wishes.edits.ron"), assets);
+    let revision = |app: &App| app.world().resource::<SprawlWorld>().revision();
+    run_until(&mut app, "there is a world", |app| revision(app) == 1);
+    let log: Arc<Mutex<Vec<String>>> = Arc::default();
+    let (refused, mended, rejected, again) = (log.clone(), log.clone(), log.clone(), log.clone());
+    let note = |log: &Mutex<Vec<String>>, what: String| log.lock().expect("not poisoned").push(what);
+    app.add_observer(move |e: On<AssetRejected>| note(&refused, format!("refused {}:{}", e.file, e.line)));
+    app.add_observer(move |e: On<AssetMended>| note(&mended, format!("mended {}", e.file)));
+    app.add_observer(move |e: On<WorldRejected>| {
+        let place = e.place.as_ref().expect("it is in a file");
+        note(&rejected, format!("rejected {}:{}", place.file, place.line));
+    });
+    app.add_observer(move |_: On<WorldMended>| note(&again, "world mended".into()));
+    let save = |app: &mut App, file: &str, text: &str, expected: &str| {
+        let file = root.join(file);
+        let new = file.with_extension("new");
+        std::fs::write(&new, text).expect("written");
+        std::fs::rename(new, file).expect("moved");
+        run_until(app, expected, |_| log.lock().expect("not poisoned").iter().any(|line| line == expected));
+        log.lock().expect("not poisoned").clear();
+    };
+    let (style, file) = ("sprawl/styles/grid.ron", root.join("sprawl/styles/grid.ron"));
+    let good = std::fs::read_to_string(file).expect("the style");
+    save(&mut app, style, &format!("({}\n nonsense: 3,\n)", "\n"), "refused sprawl/styles/grid.ron:3");
+    save(&mut app, style, &good, "mended sprawl/styles/grid.ron");
+    let sets = good.lines().position(|line| line.contains("patch_sets")).expect("it names its patch sets") + 1;
+    let missing = good.replacen("\"common\"", "\"uncommon\"", 1);
+    save(&mut app, style, &missing, &format!("rejected sprawl/styles/grid.ron:{sets}"));
+    assert_eq!(revision(&app), 1);
+    save(&mut app, style, &good, "world mended");
+    assert_eq!(revision(&app), 1, "it is the world that there was");
+    save(&mut app, "wishes.edits.ron", "(nonsense)", "refused wishes.edits.ron:1");
+    save(&mut app, "wishes.edits.ron", "()", "mended wishes.edits.ron");
+}
+
+#[test]
+fn other_sizes_of_caches_remake_nothing() {
+    let mut app = app(SprawlPlugin::new(1), AssetPlugin::default());
+    app.world_mut().spawn(StreamAnchor { start_on_street: false, ..anchor() });
+    settle(&mut app);
+    app.add_observer(|event: On<ChunkReady>| panic!("{} is made again", event.coord));
+    app.world_mut().resource_mut::<SprawlSource>().settings.cache.chunk_mib = 32.0;
+    run_until(&mut app, "there is a new world", |app| app.world().resource::<SprawlWorld>().revision() == 2);
+    settle(&mut app);
+    assert_eq!(world(&app).settings().cache.chunk_mib, 32.0);
+}
+
+#[test]
 fn another_seed_replaces_the_world_under_the_player() {
     let mut app = app(SprawlPlugin::new(1), AssetPlugin::default());
     app.world_mut().spawn(StreamAnchor { start_on_street: false, ..anchor() });
@@ -273,7 +375,7 @@ fn a_saved_file_of_edits_makes_anew_what_depends_on_it_and_nothing_else() {
     app.add_observer(move |event: On<AssetRejected>| no.lock().expect("not poisoned").push(event.clone()));
     app.add_observer(move |event: On<EditRejected>| cannot.lock().expect("not poisoned").push(event.clone()));
     app.add_observer(move |event: On<ChunkReady>| {
-        if !event.first {
+        if event.change == ChunkChange::Data {
             yes.lock().expect("not poisoned").insert(event.coord.0.to_array());
         }
     });

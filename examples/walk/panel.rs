@@ -1,4 +1,4 @@
-//! The panel in the window: where one is, and how streaming does.
+//! The panel in the window: where the walker is, and figures of the streaming.
 
 use crate::walker::Walker;
 use bevy::math::DVec2;
@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 use bevy_sprawl::prelude::*;
 
-/// Put the walker on a street near this plan point as soon as there is a world.
+/// Put the walker on a street near this plan point.
 #[derive(Resource)]
 pub struct Begin(pub DVec2);
 
@@ -22,18 +22,25 @@ pub fn setup(mut commands: Commands, source: Res<SprawlSource>) {
     commands.insert_resource(Panel { seed: source.seed.0, ..default() });
 }
 
+/// Asks for a street near the wished place.
 pub fn begin(
     mut commands: Commands,
     wish: Option<Res<Begin>>,
     sprawl: Sprawl,
-    walker: Single<(&mut Walker, &mut Transform)>,
+    walker: Single<(Entity, &mut Walker, &mut Transform)>,
 ) {
     let Some(wish) = wish else { return };
-    let Some(start) = sprawl.spawn_point(sprawl.to_bevy(wish.0, 0.0)) else { return };
-    let (mut walker, mut transform) = walker.into_inner();
-    *transform = start.eye(1.7);
-    walker.begin_at(&transform);
+    let (entity, mut walker, mut transform) = walker.into_inner();
+    walker.wait();
+    transform.translation = sprawl.to_bevy(wish.0, 0.0);
+    commands.entity(entity).insert(StartOnStreet::default());
     commands.remove_resource::<Begin>();
+}
+
+/// The walker stands on the street and may go.
+pub fn begun(_: On<Remove, StartOnStreet>, walker: Single<(&mut Walker, &Transform)>) {
+    let (mut walker, transform) = walker.into_inner();
+    walker.begin_at(transform);
 }
 
 pub fn show(
@@ -50,7 +57,8 @@ pub fn show(
     panel.looked_up -= time.delta_secs();
     if panel.looked_up <= 0.0 {
         panel.looked_up = 0.3;
-        panel.place = sprawl.settlement_at(at).map_or("open country".into(), |s| format!("{} ({:?})", s.name, s.size));
+        let town = sprawl.settlement_at(at);
+        panel.place = town.map_or("open country".into(), |s| format!("{} ({})", s.name, s.size.name()));
     }
     egui::Window::new("bevy_sprawl").default_width(230.0).show(contexts.ctx_mut()?, |ui| {
         egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
@@ -63,7 +71,7 @@ pub fn show(
             row("position", format!("{:.0}, {:.0} m", plan.x, plan.y));
             row("frame", format!("{:.1} ms", time.delta_secs() * 1000.0));
             row("plugin", format!("{:.2} ms", stats.main_thread_ms));
-            row("chunks", format!("{} there, {} missing", stats.chunks_loaded, stats.chunks_missing));
+            row("chunks", format!("{} loaded, {} missing", stats.chunks_loaded, stats.chunks_missing));
             row("made", format!("{} ({:.1} ms each)", stats.chunks_made, stats.chunk_ms));
             row("tasks", stats.tasks_in_flight.to_string());
         });

@@ -6,7 +6,7 @@ use crate::report::Measures;
 use crate::scene;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
+use bevy::tasks::block_on;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::prelude::*;
 use bevy_sprawl::region::Settlement;
@@ -40,11 +40,11 @@ pub struct Tour {
     pub walked: f64,
     /// Length of the walk in metres, all laps together.
     pub length: f64,
-    planning: Option<Task<Result<Option<Vec<DVec2>>, LayerError>>>,
+    planning: Option<SprawlTask<Vec<DVec2>>>,
     since: Instant,
 }
 
-/// The one who walks, and whose eyes the screenshots are.
+/// The walker. Screenshots show what the walker sees.
 #[derive(Component)]
 pub struct Tourist;
 
@@ -105,7 +105,8 @@ impl Tour {
 pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
     let anchor = StreamAnchor { start_on_street: false, ..default() };
     let mut start = tour.at;
-    if let Some(town) = sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0)) {
+    // This waits for the answer, which a game should not do: there is no window yet that could freeze.
+    if let Ok(town) = block_on(sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0))) {
         // A walk that fits: from 500 m before the outline to 500 m behind it, or at the pace that was asked for.
         let through = 2.0 * (town.radius + 500.0) * tour.laps;
         tour.pace = tour.speed.unwrap_or((through / tour.seconds).clamp(5.0, 100.0));
@@ -131,9 +132,9 @@ pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: Re
         return;
     }
     *phase = Phase::Plan;
-    let (Some(world), Some(town)) = (sprawl.world().cloned(), tour.town.clone()) else { return };
+    let Some(town) = tour.town.clone() else { return };
     let (from, length) = (place, tour.lap());
-    tour.planning = Some(AsyncComputeTaskPool::get().spawn(async move { way_through(&world, &town, from, length) }));
+    tour.planning = Some(sprawl.ask(move |world, cancel| way_through(world, &town, from, length, cancel)));
 }
 
 /// Takes the way once it has been found; the fall-back is a straight line through the middle of the town.
@@ -141,19 +142,19 @@ pub fn plan(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>) {
     if *phase != Phase::Plan {
         return;
     }
-    let found = match &mut tour.planning {
-        Some(task) => match check_ready(task) {
-            Some(found) => found,
+    let answer = match &mut tour.planning {
+        Some(task) => match task.poll() {
+            Some(answer) => answer,
             None => return,
         },
-        None => Ok(None),
+        None => Err(NoAnswer::NotFound),
     };
-    match found {
-        Ok(Some(way)) => {
+    match answer {
+        Ok(way) => {
             tour.way = way;
             tour.on_streets = true;
         }
-        Ok(None) => {
+        Err(NoAnswer::NotFound) => {
             let start = tour.way[0];
             let to = tour.town.as_ref().map_or(start + DVec2::Y, |t| t.centre.plan());
             let along = (to - start).normalize_or(DVec2::Y);
@@ -185,7 +186,7 @@ pub fn wait(
     }
 }
 
-/// A step on.
+/// Takes a step.
 pub fn walk(
     mut phase: ResMut<Phase>,
     mut tour: ResMut<Tour>,
@@ -222,14 +223,14 @@ fn way_through(
     town: &Settlement,
     from: DVec2,
     length: f64,
+    cancel: &Cancel,
 ) -> Result<Option<Vec<DVec2>>, LayerError> {
-    let cancel = Cancel::new();
     let centre = town.centre.plan();
     let reach = (length / 2.0).max(town.radius + 200.0);
     let outside = (reach * 0.8).max(town.radius * 0.8);
     // Points of roads outside, one from each piece of road.
     let mut ends: Vec<DVec2> = Vec::new();
-    for road in world.roads().overlapping(Bounds::square(centre, 2.0 * reach + 1_000.0), &cancel)? {
+    for road in world.roads().overlapping(Bounds::square(centre, 2.0 * reach + 1_000.0), cancel)? {
         let line: Vec<DVec2> = road.street.line.iter().map(|p| road.origin.to_plan(*p)).collect();
         let near = |p: &&DVec2| (outside..reach + 500.0).contains(&p.distance(centre));
         ends.extend(line.iter().filter(near).min_by(|a, b| a.distance(from).total_cmp(&b.distance(from))));
@@ -239,12 +240,12 @@ fn way_through(
     };
     let opposite = 2.0 * centre - start;
     ends.sort_by(|a, b| a.distance(opposite).total_cmp(&b.distance(opposite)));
-    let Some(first) = world.route(start, centre, 800.0, &cancel)? else { return Ok(None) };
+    let Some(first) = world.route(start, centre, 800.0, cancel)? else { return Ok(None) };
     let mut way = first.points;
     let middle = line_length(&way);
     // The first end that leads on without turning back on the way that was come.
     for end in ends.into_iter().filter(|e| e.distance(start) > town.radius) {
-        let Some(second) = world.route(centre, end, 800.0, &cancel)? else { continue };
+        let Some(second) = world.route(centre, end, 800.0, cancel)? else { continue };
         let back = second.points.iter().filter(|p| closest_on_line(**p, &way).1.distance(**p) < 1.0).count();
         if back * 3 < second.points.len() || second.points.len() < 4 {
             way.extend(second.points.into_iter().skip(1));

@@ -13,12 +13,12 @@ use std::f32::consts::FRAC_PI_2;
 /// Height of the eyes over the ground, in metres.
 const EYES: f32 = 1.7;
 
-/// The one who walks.
+/// The walker, whose eyes the camera is.
 #[derive(Component, Default)]
 pub struct Walker {
     yaw: f32,
     pitch: f32,
-    /// Whether it flies.
+    /// Whether the walker flies.
     pub flies: bool,
     started: bool,
 }
@@ -36,6 +36,7 @@ pub fn window(args: Args, draws: Draws) -> AppExit {
         .add_plugins(SprawlPlugin::new(args.seed).starting_at(args.at))
         .insert_resource(panel::Begin(args.at))
         .insert_resource(draws)
+        .add_observer(panel::begun)
         .add_systems(Startup, (scene::light, spawn, panel::setup))
         .add_systems(Update, (panel::begin, grab_mouse, look, walk, scene::keep_sky).chain())
         .add_systems(EguiPrimaryContextPass, panel::show)
@@ -48,7 +49,12 @@ fn spawn(mut commands: Commands, draws: Res<Draws>) {
 }
 
 impl Walker {
-    /// Takes the place and heading of a transform that was set from outside.
+    /// Stands still until [`Walker::begin_at`].
+    pub fn wait(&mut self) {
+        self.started = false;
+    }
+
+    /// Takes the heading of a transform that was set from outside, and may walk.
     pub fn begin_at(&mut self, transform: &Transform) {
         let (yaw, pitch, _) = transform.rotation.to_euler(EulerRot::YXZ);
         (self.yaw, self.pitch, self.started) = (yaw, pitch, true);

@@ -3,6 +3,7 @@
 use super::frame_time::Stopwatch;
 use super::origin::SprawlOrigin;
 use super::schedule::SprawlSystems;
+use super::source::SprawlSource;
 use super::stream_settings::StreamSettings;
 use bevy::prelude::*;
 use glam::DVec2;
@@ -20,16 +21,39 @@ pub struct StreamAnchor {
     pub unload_radius: f32,
     /// Chunks within this distance are shown in full detail, in metres; the others in reduced detail.
     pub detail_radius: f32,
-    /// Whether the plugin puts the anchor on a street as soon as there is a world. It does so only if the anchor has no
-    /// parent and its transform is still the default. Then the anchor stands at eye height on the street that
-    /// [`Sprawl::spawn_point`](super::Sprawl::spawn_point) finds. Set it to false to begin at Bevy's origin.
+    /// Whether the origin follows this anchor: see [`OriginSettings`](super::OriginSettings). Unset it for an anchor that is
+    /// far from the others, such as a second view of another town.
+    pub moves_origin: bool,
+    /// Whether the plugin gives the anchor a [`StartOnStreet`] when it is spawned. It does so only if the anchor has no
+    /// parent and its transform is still the default. Set it to false to begin at Bevy's origin.
     pub start_on_street: bool,
 }
 
 impl Default for StreamAnchor {
     fn default() -> Self {
-        Self { load_radius: 1200.0, unload_radius: 1700.0, detail_radius: 600.0, start_on_street: true }
+        Self {
+            load_radius: 1200.0,
+            unload_radius: 1700.0,
+            detail_radius: 600.0,
+            moves_origin: true,
+            start_on_street: true,
+        }
     }
+}
+
+/// Asks the plugin to put an entity on a street. The place is searched in the background: a street within 150 m of the
+/// entity, otherwise the middle of the nearest town or city. The plugin then sets the entity's transform, which looks along
+/// the street, and removes this component; observe its removal to know when the entity stands there.
+///
+/// An anchor that waits for its place, or whose parent does, loads no chunks. Where a game moves the entity meanwhile, the
+/// entity stays where the game has put it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[require(Transform)]
+pub struct StartOnStreet {
+    /// Height over the street in metres. `None` means 1.7 m, the height of the eyes, for an entity with a [`Camera`], and
+    /// 0 for any other: its feet are on the street.
+    pub height: Option<f32>,
 }
 
 impl StreamAnchor {
@@ -54,7 +78,6 @@ pub struct AnchorMotion {
     /// Smoothed velocity in the plan (x east, y north), in metres per second.
     pub velocity: DVec2,
     last: Option<DVec2>,
-    pub(super) started: bool,
 }
 
 /// An anchor in the plan.
@@ -68,6 +91,7 @@ pub(super) struct AnchorView {
     pub load: f64,
     pub unload: f64,
     pub detail: f64,
+    pub moves_origin: bool,
 }
 
 /// All anchors of this frame.
@@ -79,7 +103,7 @@ pub(super) struct AnchorPlugin;
 impl Plugin for AnchorPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Anchors>()
-            .register_type::<(StreamAnchor, AnchorMotion)>()
+            .register_type::<(StreamAnchor, AnchorMotion, StartOnStreet)>()
             .add_systems(PostUpdate, read_anchors.in_set(SprawlSystems::Anchors));
     }
 }
@@ -94,16 +118,19 @@ const FASTEST: f64 = 2_000.0;
 pub(super) fn read_anchors(
     mut stopwatch: Stopwatch,
     time: Option<Res<Time>>,
-    origin: Res<SprawlOrigin>,
-    settings: Res<StreamSettings>,
+    (origin, source, settings): (Res<SprawlOrigin>, Res<SprawlSource>, Res<StreamSettings>),
     mut views: ResMut<Anchors>,
-    transforms: TransformHelper,
+    (transforms, parents, starting): (TransformHelper, Query<&ChildOf>, Query<(), With<StartOnStreet>>),
     mut anchors: Query<(Entity, &StreamAnchor, &mut AnchorMotion)>,
 ) {
     let _running = stopwatch.start();
     let seconds = time.map_or(0.0, |t| t.delta_secs_f64());
     views.clear();
+    let size = source.settings.chunk_size;
     for (entity, anchor, mut motion) in &mut anchors {
+        if starting.contains(entity) || parents.iter_ancestors(entity).any(|e| starting.contains(e)) {
+            continue;
+        }
         let position = match transforms.compute_global_transform(entity) {
             Ok(transform) => transform.translation(),
             Err(error) => {
@@ -111,11 +138,11 @@ pub(super) fn read_anchors(
                 continue;
             }
         };
-        if !position.is_finite() {
-            warn_once!("a StreamAnchor is at {position} and loads nothing");
+        let at = origin.to_plan(position);
+        if !SprawlOrigin::is_in_world(at, size) {
+            warn_once!("a StreamAnchor is at {position}, outside of the world, and loads nothing");
             continue;
         }
-        let at = origin.to_plan(position);
         let (load, unload, detail) = anchor.radii();
         let moved = at - motion.last.unwrap_or(at);
         if moved.length() > FASTEST * seconds {
@@ -126,6 +153,7 @@ pub(super) fn read_anchors(
         }
         motion.last = Some(at);
         let ahead = (motion.velocity * f64::from(settings.lookahead_s.max(0.0))).clamp_length_max(load / 2.0);
-        views.push(AnchorView { at, ahead: at + ahead, load, unload, detail });
+        let moves_origin = anchor.moves_origin;
+        views.push(AnchorView { at, ahead: at + ahead, load, unload, detail, moves_origin });
     }
 }

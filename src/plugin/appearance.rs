@@ -61,7 +61,7 @@ impl ChunkPart {
 /// ```no_run
 /// # use bevy::prelude::*;
 /// # use bevy_sprawl::prelude::*;
-/// # use bevy_sprawl::plugin::SprawlMaterials;
+///
 /// fn brick(mut of_parts: ResMut<SprawlMaterials>, mut materials: ResMut<Assets<StandardMaterial>>) {
 ///     of_parts[ChunkPart::Buildings] = materials.add(Color::srgb(0.6, 0.3, 0.2));
 /// }

@@ -64,18 +64,41 @@ pub struct ChunkReady {
     pub coord: ChunkCoord,
     /// The detail of its meshes.
     pub detail: Detail,
-    /// Whether it was not loaded before. False when its meshes were replaced.
-    pub first: bool,
+    /// What has changed.
+    pub change: ChunkChange,
 }
 
-/// A chunk is unloaded. The event on its entity comes while everything is still in place, the message once the entity is
-/// gone.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+/// What has changed about a chunk that is ready.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+pub enum ChunkChange {
+    /// It was not loaded before.
+    Loaded,
+    /// It comes from a new world: its [`ChunkData`] and its meshes have been replaced.
+    Data,
+    /// Only the detail of its meshes; [`ChunkData`] has stayed.
+    Detail,
+}
+
+impl ChunkChange {
+    /// Whether [`ChunkData`] is new: a game that places its own things in chunks places them now.
+    pub fn is_data(self) -> bool {
+        matches!(self, Self::Loaded | Self::Data)
+    }
+}
+
+/// A loaded chunk is unloaded: it is no longer wanted, or the game has despawned it. Sent as a message, and as an event on
+/// its entity. A chunk that was still waiting for its first data goes without notice.
+///
+/// The event comes while everything is still in place, unless the game has despawned the entity. The message comes once
+/// the entity is gone.
+#[derive(Message, EntityEvent, Clone, Debug)]
 pub struct ChunkUnloaded {
     /// The entity of the chunk.
     pub entity: Entity,
     /// The name of the chunk.
     pub coord: ChunkCoord,
+    /// What the chunk was made of.
+    pub data: ChunkData,
 }
 
 /// A chunk could not be made. Sent as a message, and as an event on its entity.
@@ -93,7 +116,7 @@ pub(super) struct ChunkPlugin;
 
 impl Plugin for ChunkPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(ChunkCoord, ChunkStatus)>()
+        app.register_type::<(ChunkCoord, ChunkStatus, ChunkChange)>()
             .add_message::<ChunkReady>()
             .add_message::<ChunkUnloaded>()
             .add_message::<ChunkFailed>();

@@ -3,7 +3,7 @@
 use crate::layer::{Cancel, LayerError};
 use crate::region::Settlement;
 use crate::space::{Bounds, ChunkCoord};
-use crate::world::{World, WorldAssets, WorldSource};
+use crate::world::{Settings, World, WorldAssets, WorldSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(super) enum Difference {
     /// Nothing.
     None,
-    /// Only styles and edits.
+    /// Only styles, edits and sizes of caches.
     Some {
         /// Names of the styles that make other towns: the style itself, a patch set that it uses, or the style of its
         /// fringe has changed.
@@ -26,9 +26,12 @@ pub(super) enum Difference {
 
 /// What differs between the inputs of two worlds.
 pub(super) fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
-    if (old.seed, &old.settings, &old.terrain) != (new.seed, &new.settings, &new.terrain) {
+    // The sizes of caches change how fast a world is made, not the world.
+    let settings = Settings { cache: old.settings.cache.clone(), ..new.settings.clone() };
+    if (old.seed, &old.settings, &old.terrain) != (new.seed, &settings, &new.terrain) {
         return Difference::All;
     }
+    let cache = old.settings.cache != new.settings.cache;
     let (before, assets) = (&old.assets, &new.assets);
     // Settlements choose among the style names that the settings list, so a changed style changes no choice. A style that
     // has come or gone counts as a change of everything: this happens while assets are written, not while a game is played.
@@ -38,7 +41,7 @@ pub(super) fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
     let patch_sets = differing(&before.patch_sets, &assets.patch_sets);
     let styles = dependent_styles(assets, differing(&before.styles, &assets.styles), &patch_sets);
     let edits = old.edits != new.edits;
-    if styles.is_empty() && patch_sets.is_empty() && !edits {
+    if styles.is_empty() && patch_sets.is_empty() && !edits && !cache {
         Difference::None
     } else {
         Difference::Some { styles, edits }
@@ -158,5 +161,16 @@ mod tests {
             assets.patch_sets.insert("suburb".into(), Arc::new(set));
         });
         assert!(patches.iter().any(|s| s == "european"), "{patches:?}");
+    }
+
+    #[test]
+    fn sizes_of_caches_change_no_style() {
+        let old = WorldSource::new(Seed(1));
+        let mut new = old.clone();
+        assert_eq!(difference(&old, &new), Difference::None);
+        new.settings.cache.chunk_mib *= 2.0;
+        assert_eq!(difference(&old, &new), Difference::Some { styles: BTreeSet::new(), edits: false });
+        new.settings.chunk_size *= 2;
+        assert_eq!(difference(&old, &new), Difference::All);
     }
 }

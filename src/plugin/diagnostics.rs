@@ -1,6 +1,6 @@
 //! Figures about streaming, as a resource and as Bevy diagnostics.
 
-use super::frame_time::FrameTime;
+use super::frame_time::{FrameTime, Stopwatch};
 use super::schedule::SprawlSystems;
 use super::streaming::{ChunkIndex, Scheduler};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
@@ -54,13 +54,15 @@ impl Plugin for DiagnosticsPlugin {
     }
 }
 
+/// Reports the frame; its own time counts to the next one.
 fn report(
-    mut time: ResMut<FrameTime>,
+    mut stopwatch: Stopwatch,
     (index, scheduler): (Res<ChunkIndex>, Res<Scheduler>),
     mut stats: ResMut<SprawlStats>,
     mut diagnostics: Diagnostics,
 ) {
-    let FrameTime { total, apply } = std::mem::take(&mut *time);
+    let FrameTime { total, apply } = stopwatch.take();
+    let _running = stopwatch.start();
     let now = SprawlStats {
         chunks_loaded: index.loaded(),
         chunks_missing: index.missing(),

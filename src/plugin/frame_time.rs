@@ -26,6 +26,11 @@ impl Stopwatch<'_> {
     pub fn start(&mut self) -> Running<'_> {
         Running { total: &mut self.time.total, start: Instant::now() }
     }
+
+    /// Takes the time of the frame, and begins the next one.
+    pub fn take(&mut self) -> FrameTime {
+        std::mem::take(&mut *self.time)
+    }
 }
 
 /// A measurement that ends when it is dropped.

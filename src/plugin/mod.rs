@@ -10,7 +10,7 @@
 //! | `assets`, `rejected_edits` | inputs from files |
 //! | `origin`, `anchor`, `shift` | coordinates, what the world is streamed around, moving the origin |
 //! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks, their meshes and materials, how they come and go |
-//! | `queries`, `spawn_point`, `start` | what games ask the world |
+//! | `queries`, `task`, `spawn_point`, `start` | what games ask the world |
 //! | `diagnostics`, `gizmos` | what is going on |
 //!
 //! ```no_run
@@ -48,12 +48,15 @@ mod spawn_point;
 mod start;
 mod stream_settings;
 mod streaming;
+mod task;
 
 pub use crate::world::TerrainSource;
-pub use anchor::{AnchorMotion, StreamAnchor};
+pub use anchor::{AnchorMotion, StartOnStreet, StreamAnchor};
 pub use appearance::{ChunkPart, SprawlMaterials};
-pub use assets::{AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader};
-pub use chunk::{ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
+pub use assets::{
+    AssetMended, AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader,
+};
+pub use chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
 pub use diagnostics::{
     DIAGNOSTIC_APPLY_MS, DIAGNOSTIC_CHUNKS_LOADED, DIAGNOSTIC_CHUNKS_MADE, DIAGNOSTIC_MAIN_THREAD_MS,
     DIAGNOSTIC_TASKS_IN_FLIGHT, SprawlStats,
@@ -64,9 +67,10 @@ pub use queries::Sprawl;
 pub use rejected_edits::{EditRejected, RejectedEdits};
 pub use schedule::SprawlSystems;
 pub use shift::{OriginSettings, OriginShifted, ShiftsWithOrigin};
-pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
+pub use source::{SprawlSource, SprawlWorld, WorldChanged, WorldMended, WorldRejected};
 pub use spawn_point::SpawnPoint;
 pub use stream_settings::StreamSettings;
+pub use task::{NoAnswer, SprawlTask};
 
 use crate::edits::Edits;
 use crate::space::Seed;

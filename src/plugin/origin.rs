@@ -14,11 +14,26 @@ use glam::DVec2;
 pub struct SprawlOrigin(Origin);
 
 impl SprawlOrigin {
-    /// The chunk corner nearest to a plan point (x east, y north, metres), for chunks with an edge of `size` metres.
+    /// The chunk corner nearest to a plan point (x east, y north, metres), for chunks with an edge of `size` metres. A point
+    /// outside of the world counts as the nearest point inside of it.
     pub fn near(p: DVec2, size: i64) -> Self {
         let size = size.max(1);
-        let nearest = (p / size as f64).round().as_i64vec2();
+        let limit = Self::limit(size);
+        let nearest = (p.clamp(DVec2::splat(-limit), DVec2::splat(limit)) / size as f64).round().as_i64vec2();
         Self(Origin(nearest * size))
+    }
+
+    /// Greatest coordinate of the world on each axis of the plan, in metres: the names of chunks are 32-bit integers, and
+    /// positions are exact up to 10^12 m.
+    pub(super) fn limit(size: i64) -> f64 {
+        // Room for the chunks around an anchor that stands at the limit.
+        let columns = f64::from(i32::MAX) - 2_000.0;
+        (columns * size.max(1) as f64).min(1.0e12)
+    }
+
+    /// Whether a plan point lies in the world.
+    pub(super) fn is_in_world(p: DVec2, size: i64) -> bool {
+        p.abs().max_element() <= Self::limit(size)
     }
 
     /// The plan point.
@@ -58,5 +73,17 @@ mod tests {
         let plan = origin.to_plan(p);
         assert_eq!(plan - origin.origin().plan(), DVec2::new(12.5, 80.25));
         assert_eq!(origin.to_bevy(plan, 3.0), p);
+    }
+
+    #[test]
+    fn points_outside_of_the_world_do_not_overflow() {
+        for p in [DVec2::splat(3.0e38), DVec2::new(f64::INFINITY, -3.0e38), DVec2::splat(f64::MIN)] {
+            for size in [64, 512, 4096] {
+                let near = SprawlOrigin::near(p, size).origin().plan();
+                assert!(SprawlOrigin::is_in_world(near, size) && near.abs().min_element() > 1.0e11, "{near}");
+                assert!(!SprawlOrigin::is_in_world(p, size));
+            }
+        }
+        assert!(!SprawlOrigin::is_in_world(DVec2::NAN, 512));
     }
 }

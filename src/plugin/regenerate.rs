@@ -1,9 +1,10 @@
 //! Making the next world when the inputs change.
 
+use super::assets::{FileContents, SprawlFolder};
 use super::depends::{Difference, difference, unchanged_chunks};
 use super::frame_time::Stopwatch;
 use super::schedule::WorldSystems;
-use super::source::{AwaitedFiles, SprawlSource, SprawlWorld, WorldChanged, WorldRejected};
+use super::source::{AwaitedFiles, SprawlSource, SprawlWorld, WorldChanged, WorldMended, WorldRejected};
 use super::streaming::{ChunkIndex, Stale, Streaming};
 use crate::world::{World, WorldError};
 use bevy::ecs::system::SystemState;
@@ -41,7 +42,8 @@ fn make_first_world(app: &mut App) {
         }
         Err(error) => {
             error!("there is no world: {error}");
-            app.world_mut().write_message(WorldRejected { error });
+            app.world_mut().resource_mut::<Regeneration>().is_rejected = true;
+            app.world_mut().write_message(WorldRejected { error, place: None });
         }
     }
 }
@@ -51,6 +53,8 @@ fn make_first_world(app: &mut App) {
 struct Regeneration {
     task: Option<Task<Result<NextWorld, WorldError>>>,
     wanted: bool,
+    /// Whether the last source made no world.
+    is_rejected: bool,
 }
 
 /// A world that is ready to replace the current one.
@@ -66,6 +70,7 @@ fn start_regeneration(
     current: Res<SprawlWorld>,
     index: Res<ChunkIndex>,
     mut regeneration: ResMut<Regeneration>,
+    (mut commands, mut mended): (Commands, MessageWriter<WorldMended>),
 ) {
     let _running = stopwatch.start();
     regeneration.wanted |= source.is_changed();
@@ -77,6 +82,10 @@ fn start_regeneration(
     let old = current.get().cloned();
     let change = old.as_ref().map_or(Difference::All, |old| difference(old.source(), &source));
     if change == Difference::None {
+        // After a mistake, the source is again what the current world was made from.
+        if std::mem::take(&mut regeneration.is_rejected) {
+            report_mended(&mut commands, &mut mended, current.revision());
+        }
         return;
     }
     let loaded = index.settlements();
@@ -100,8 +109,9 @@ fn finish_regeneration(
     mut regeneration: ResMut<Regeneration>,
     mut current: ResMut<SprawlWorld>,
     mut streaming: Streaming,
-    mut changed: MessageWriter<WorldChanged>,
-    mut rejected: MessageWriter<WorldRejected>,
+    (folder, contents): (Option<Res<SprawlFolder>>, Res<FileContents>),
+    (mut changed, mut rejected): (MessageWriter<WorldChanged>, MessageWriter<WorldRejected>),
+    mut mended: MessageWriter<WorldMended>,
 ) {
     let _running = stopwatch.start();
     let Some(result) = regeneration.task.as_mut().and_then(check_ready) else { return };
@@ -113,12 +123,26 @@ fn finish_regeneration(
             let event = WorldChanged { revision: current.revision() };
             changed.write(event);
             commands.trigger(event);
+            if std::mem::take(&mut regeneration.is_rejected) {
+                report_mended(&mut commands, &mut mended, current.revision());
+            }
         }
         Err(error) => {
-            error!("the changed inputs make no world, and the last one stays: {error}");
-            let event = WorldRejected { error };
+            regeneration.is_rejected = true;
+            let place = folder.and_then(|folder| folder.locate(&error, &contents));
+            match &place {
+                Some(place) => error!("{place}; the last world stays"),
+                None => error!("the changed inputs make no world, and the last one stays: {error}"),
+            }
+            let event = WorldRejected { error, place };
             rejected.write(event.clone());
             commands.trigger(event);
         }
     }
+}
+
+fn report_mended(commands: &mut Commands, mended: &mut MessageWriter<WorldMended>, revision: u32) {
+    let event = WorldMended { revision };
+    mended.write(event);
+    commands.trigger(event);
 }

@@ -14,8 +14,8 @@ use glam::{DVec2, I64Vec2};
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct OriginSettings {
-    /// The origin is shifted when the middle of all anchors is farther than this from it, in metres along an axis.
-    /// Infinity: never.
+    /// The origin is shifted when the middle of all anchors with [`StreamAnchor::moves_origin`] is farther than this from
+    /// it, in metres along an axis. Infinity: never.
     pub distance: f32,
 }
 
@@ -25,16 +25,22 @@ impl Default for OriginSettings {
     }
 }
 
-/// Marks a root entity whose [`Transform`] is shifted together with the origin: everything in the scene that is not a
-/// child of something else. Chunks, and the roots that anchors belong to, are shifted without it.
+/// Whether the [`Transform`] of a root entity is shifted together with the origin. Every root is shifted by default, so that
+/// all things keep their places among each other; children move with their roots. Insert `ShiftsWithOrigin::No` for a root
+/// that belongs to no place in the world. Chunks, and the roots that anchors belong to, are always shifted.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
-pub struct ShiftsWithOrigin;
+pub enum ShiftsWithOrigin {
+    /// It is shifted, as it would be without this component.
+    #[default]
+    Yes,
+    /// It keeps its transform.
+    No,
+}
 
 /// The origin has moved: a point that was at `p` in Bevy is now at `p + by`. Sent as a message and as an event, after
-/// the transforms of chunks, anchors and [`ShiftsWithOrigin`] have changed. Add `by` to the positions that a game keeps
-/// elsewhere.
+/// the transforms of all roots have changed. Add `by` to the positions that a game keeps elsewhere.
 #[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
 pub struct OriginShifted {
     /// What to add to Bevy positions, in metres.
@@ -55,7 +61,7 @@ impl Plugin for ShiftPlugin {
 }
 
 /// Entities without a parent, and what says whether they are shifted.
-type Root = (Entity, &'static mut Transform, Has<ShiftsWithOrigin>, Option<&'static ChunkCoord>);
+type Root = (Entity, &'static mut Transform, Option<&'static ShiftsWithOrigin>, Option<&'static ChunkCoord>);
 
 fn shift_origin(
     mut stopwatch: Stopwatch,
@@ -66,7 +72,7 @@ fn shift_origin(
     (mut commands, mut shifted): (Commands, MessageWriter<OriginShifted>),
 ) {
     let _running = stopwatch.start();
-    let Some(middle) = middle(views.iter().map(|a| a.at)) else { return };
+    let Some(middle) = middle(views.iter().filter(|a| a.moves_origin).map(|a| a.at)) else { return };
     let far = origin.origin().to_local(middle).abs().max_element();
     if far.is_nan() || far <= f64::from(settings.distance) {
         return;
@@ -79,12 +85,13 @@ fn shift_origin(
     let by = Vec3::new(moved.x as f32, 0.0, -moved.y as f32);
     let mut anchor_roots: Vec<Entity> = anchors.iter().map(|e| parents.root_ancestor(e)).collect();
     anchor_roots.sort_unstable();
-    for (entity, mut transform, marked, chunk) in &mut roots {
+    for (entity, mut transform, shifts, chunk) in &mut roots {
+        let stays = shifts == Some(&ShiftsWithOrigin::No) && anchor_roots.binary_search(&entity).is_err();
         match chunk {
             Some(coord) if index.entity(*coord) == Some(entity) => {
                 transform.translation = next.chunk_translation(*coord, index.size);
             }
-            None if !marked && anchor_roots.binary_search(&entity).is_err() => {}
+            None if stays => {}
             _ => transform.translation += by,
         }
     }

@@ -1,6 +1,7 @@
 //! The inputs of the world, and the world that is streamed.
 
 use crate::edits::Edits;
+use crate::layer::FileError;
 use crate::world::{Settings, World, WorldError, WorldSource};
 use bevy::prelude::{App, Deref, DerefMut, Event, Message, Plugin, Resource};
 
@@ -48,6 +49,15 @@ pub struct WorldChanged {
 pub struct WorldRejected {
     /// What is wrong with the source.
     pub error: WorldError,
+    /// Where it is written, if it is in a file of [`AssetOrigin::Folder`](super::AssetOrigin::Folder).
+    pub place: Option<FileError>,
+}
+
+/// After a [`WorldRejected`] the [`SprawlSource`] makes a world again. Sent as a message and as an event.
+#[derive(Message, Event, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorldMended {
+    /// [`SprawlWorld::revision`]. It is the old one if the source is again what that world was made from.
+    pub revision: u32,
 }
 
 /// What has to be loaded before the first world is made.
@@ -79,6 +89,7 @@ impl Plugin for SourcePlugin {
             .insert_resource(self.awaited)
             .init_resource::<SprawlWorld>()
             .add_message::<WorldChanged>()
-            .add_message::<WorldRejected>();
+            .add_message::<WorldRejected>()
+            .add_message::<WorldMended>();
     }
 }

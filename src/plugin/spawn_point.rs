@@ -6,55 +6,65 @@ use crate::network::SizeClass;
 use crate::region::Settlement;
 use crate::space::{Bounds, distance_to_segment};
 use crate::world::{NearestStreet, World};
-use bevy::prelude::{Dir3, Transform, Vec3, warn_once};
+use bevy::prelude::{Dir3, Transform, Vec3};
 use glam::DVec2;
 use std::sync::Arc;
 
-/// A place for a player to begin: on a street.
+/// A place for a player to begin: on a street. It stays valid when the origin is shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpawnPoint {
-    /// On the ground, in Bevy's coordinates.
-    pub position: Vec3,
-    /// Level, along the street.
-    pub facing: Dir3,
+    /// The plan point (x east, y north, metres).
+    pub at: DVec2,
+    /// Height of the ground there, in metres.
+    pub height: f64,
+    /// Direction of the street in the plan, of length 1.
+    pub along: DVec2,
 }
 
 impl SpawnPoint {
-    /// A transform `height` metres over the point, looking along the street.
-    pub fn eye(self, height: f32) -> Transform {
-        Transform::from_translation(self.position + Vec3::Y * height).looking_to(self.facing, Vec3::Y)
+    /// The Bevy point on the ground.
+    pub fn position(self, origin: SprawlOrigin) -> Vec3 {
+        origin.to_bevy(self.at, self.height)
+    }
+
+    /// A transform `height` metres over the ground, looking along the street.
+    pub fn transform(self, origin: SprawlOrigin, height: f32) -> Transform {
+        let facing = Dir3::new(Vec3::new(self.along.x as f32, 0.0, -self.along.y as f32)).unwrap_or(Dir3::NEG_Z);
+        Transform::from_translation(self.position(origin) + Vec3::Y * height).looking_to(facing, Vec3::Y)
     }
 }
 
 /// A street within this distance of the wanted point is near, in metres.
 const NEAR: f64 = 150.0;
 
-/// Streets are searched within this distance of the middle of a town, in metres.
-const TOWN_MIDDLE: f64 = 400.0;
+/// Streets are searched within these distances of the middle of a town, in metres, one after the other.
+const TOWN_MIDDLE: [f64; 2] = [400.0, 1_200.0];
 
 /// Towns are searched within this distance, in metres.
 const FARTHEST_TOWN: f64 = 128_000.0;
 
-/// A place on a street near a plan point, otherwise in the middle of the nearest town or city, otherwise the point itself.
-pub(super) fn spawn_point(world: &World, origin: SprawlOrigin, near: DVec2) -> Option<SpawnPoint> {
-    let street = |p, reach| logged(world.nearest_street(p, reach, &Cancel::new())).flatten();
-    let found = street(near, NEAR)
-        .or_else(|| street(logged(nearest_town(world, near)).flatten()?.centre.plan(), TOWN_MIDDLE))
-        .or_else(|| street(logged(nearest_town(world, near)).flatten()?.centre.plan(), 3.0 * TOWN_MIDDLE));
-    let (at, along) = match &found {
-        Some(found) => (found.at, heading(found)),
-        // A world without towns still has a ground.
-        None => (near, DVec2::Y),
-    };
-    let position = origin.to_bevy(at, world.height_at(at));
-    let facing = Dir3::new(Vec3::new(along.x as f32, 0.0, -along.y as f32)).unwrap_or(Dir3::NEG_Z);
-    Some(SpawnPoint { position, facing })
+/// A place on a street near a plan point, otherwise in the middle of the nearest town or city, otherwise the point itself:
+/// a world without towns still has a ground.
+pub(super) fn spawn_point(world: &World, near: DVec2, cancel: &Cancel) -> Result<SpawnPoint, LayerError> {
+    let mut street = world.nearest_street(near, NEAR, cancel)?;
+    if street.is_none()
+        && let Some(town) = nearest_town(world, near, cancel)?
+    {
+        for reach in TOWN_MIDDLE {
+            if street.is_none() {
+                street = world.nearest_street(town.centre.plan(), reach, cancel)?;
+            }
+        }
+    }
+    let (at, along) = street.map_or((near, DVec2::Y), |s| (s.at, heading(&s)));
+    Ok(SpawnPoint { at, height: world.height_at(at), along })
 }
 
 /// The town or city whose centre is nearest to a plan point.
-pub(super) fn nearest_town(world: &World, p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
+pub(super) fn nearest_town(world: &World, p: DVec2, cancel: &Cancel) -> Result<Option<Arc<Settlement>>, LayerError> {
     let mut reach = 4_000.0;
     while reach <= FARTHEST_TOWN {
+        cancel.check()?;
         let mut best: Option<(f64, Arc<Settlement>)> = None;
         for size in [SizeClass::Town, SizeClass::City] {
             for settlement in world.settlements().centred_in_of(Bounds::square(p, 2.0 * reach), size)? {
@@ -81,15 +91,4 @@ fn heading(found: &NearestStreet) -> DVec2 {
         distance(a).total_cmp(&distance(b))
     });
     nearest.map_or(DVec2::Y, |w| (w[1] - w[0]).normalize_or(DVec2::Y))
-}
-
-/// An answer that could not be made is a defect of a layer: it is logged once, and there is no answer.
-pub(super) fn logged<T>(answer: Result<T, LayerError>) -> Option<T> {
-    match answer {
-        Ok(answer) => Some(answer),
-        Err(error) => {
-            warn_once!("the world gave no answer: {error}");
-            None
-        }
-    }
 }

@@ -1,43 +1,101 @@
-//! Putting new anchors on a street.
+//! Putting entities on a street.
 
-use super::anchor::{AnchorMotion, StreamAnchor, read_anchors};
+use super::anchor::{StartOnStreet, StreamAnchor, read_anchors};
 use super::frame_time::Stopwatch;
 use super::origin::SprawlOrigin;
 use super::schedule::SprawlSystems;
 use super::source::SprawlWorld;
-use super::spawn_point::spawn_point;
+use super::spawn_point::{SpawnPoint, spawn_point};
+use super::task::SprawlTask;
 use bevy::prelude::*;
+use glam::DVec2;
 
 /// Height of the eyes over the ground, in metres.
 const EYE_HEIGHT: f32 = 1.7;
+
+/// An entity that has moved farther than this since the search began has been put elsewhere by the game, in metres.
+const MOVED: f64 = 0.01;
+
+/// The search for a place.
+#[derive(Component)]
+struct StartSearch {
+    place: SprawlTask<SpawnPoint>,
+    /// Where the entity was when the search began, in the plan, and its height.
+    from: (DVec2, f32),
+}
 
 pub(super) struct StartPlugin;
 
 impl Plugin for StartPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, start_on_street.in_set(SprawlSystems::Anchors).before(read_anchors));
+        app.add_systems(
+            PostUpdate,
+            (ask_for_new_anchors, begin_searches, finish_searches)
+                .chain()
+                .in_set(SprawlSystems::Anchors)
+                .before(read_anchors),
+        );
     }
 }
 
-fn start_on_street(
+type NewAnchor = (Entity, &'static StreamAnchor, &'static Transform);
+
+fn ask_for_new_anchors(
     mut stopwatch: Stopwatch,
-    world: Option<Res<SprawlWorld>>,
-    origin: Res<SprawlOrigin>,
-    mut anchors: Query<(&StreamAnchor, &mut AnchorMotion, &mut Transform, Has<ChildOf>)>,
+    mut commands: Commands,
+    anchors: Query<NewAnchor, (Added<StreamAnchor>, Without<ChildOf>)>,
 ) {
     let _running = stopwatch.start();
-    let Some(world) = world.as_ref().and_then(|w| w.get()) else { return };
-    for (anchor, mut motion, mut transform, is_child) in &mut anchors {
-        if motion.started {
-            continue;
+    for (entity, anchor, transform) in &anchors {
+        if anchor.start_on_street && *transform == Transform::IDENTITY {
+            commands.entity(entity).insert_if_new(StartOnStreet::default());
         }
-        motion.started = true;
-        if anchor.start_on_street
-            && !is_child
-            && *transform == Transform::IDENTITY
-            && let Some(start) = spawn_point(world, *origin, origin.to_plan(Vec3::ZERO))
-        {
-            *transform = start.eye(EYE_HEIGHT);
+    }
+}
+
+fn begin_searches(
+    mut stopwatch: Stopwatch,
+    mut commands: Commands,
+    (world, origin): (Res<SprawlWorld>, Res<SprawlOrigin>),
+    entities: Query<(Entity, &Transform), (With<StartOnStreet>, Without<StartSearch>)>,
+) {
+    let _running = stopwatch.start();
+    let Some(world) = world.get() else { return };
+    for (entity, transform) in &entities {
+        let near = origin.to_plan(transform.translation);
+        let place = SprawlTask::new(Some(world), move |world, cancel| spawn_point(world, near, cancel).map(Some));
+        commands.entity(entity).insert(StartSearch { place, from: (near, transform.translation.y) });
+    }
+}
+
+type Searching =
+    (Entity, &'static mut StartSearch, Option<&'static StartOnStreet>, &'static mut Transform, Has<Camera>);
+
+fn finish_searches(
+    mut stopwatch: Stopwatch,
+    mut commands: Commands,
+    origin: Res<SprawlOrigin>,
+    mut entities: Query<Searching>,
+) {
+    let _running = stopwatch.start();
+    for (entity, mut search, wish, mut transform, is_camera) in &mut entities {
+        let Some(wish) = wish else {
+            // The game has taken its wish back.
+            commands.entity(entity).remove::<StartSearch>();
+            continue;
+        };
+        let Some(answer) = search.place.poll() else { continue };
+        commands.entity(entity).remove::<(StartOnStreet, StartSearch)>();
+        let (from, height) = search.from;
+        let is_where_it_was = origin.to_plan(transform.translation).distance(from) < MOVED
+            && f64::from((transform.translation.y - height).abs()) < MOVED;
+        match answer {
+            Ok(place) if is_where_it_was => {
+                let height = wish.height.unwrap_or(if is_camera { EYE_HEIGHT } else { 0.0 });
+                *transform = place.transform(*origin, height).with_scale(transform.scale);
+            }
+            Ok(_) => {}
+            Err(error) => warn!("{entity} begins where it is, since no street was found: {error}"),
         }
     }
 }

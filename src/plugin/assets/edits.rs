@@ -1,7 +1,8 @@
 //! The file that edits come from. It is loaded again when it is saved.
 
+use super::contents::FileContents;
 use super::loader::read;
-use super::rejection::{AssetRejected, report_load_error};
+use super::rejection::FileReports;
 use crate::edits::{Edits, RejectedEdit};
 use crate::layer::FileError;
 use crate::plugin::frame_time::Stopwatch;
@@ -33,8 +34,8 @@ impl EditsFile {
 }
 
 /// Loads an [`EditsFile`] from RON. Its error is a [`FileError`] with line and column.
-#[derive(Clone, Copy, Debug, Default, TypePath)]
-pub struct EditsLoader;
+#[derive(Clone, Debug, Default, TypePath)]
+pub struct EditsLoader(pub(super) FileContents);
 
 impl AssetLoader for EditsLoader {
     type Asset = EditsFile;
@@ -47,7 +48,7 @@ impl AssetLoader for EditsLoader {
         _: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<EditsFile, FileError> {
-        let (file, text) = read(reader, context).await?;
+        let (file, text) = read(reader, context, &self.0).await?;
         EditsFile::from_ron(file, text)
     }
 
@@ -63,11 +64,12 @@ pub struct SprawlEdits {
     handle: Handle<EditsFile>,
     /// The last good version.
     last: Option<EditsFile>,
+    is_refused: bool,
 }
 
 impl SprawlEdits {
     pub(super) fn new(handle: Handle<EditsFile>) -> Self {
-        Self { handle, last: None }
+        Self { handle, last: None, is_refused: false }
     }
 
     /// The asset.
@@ -84,6 +86,7 @@ impl SprawlEdits {
 /// Hands over edits that have been loaded for the first time or again.
 pub(super) fn take_edits(
     mut stopwatch: Stopwatch,
+    mut reports: FileReports,
     mut file: ResMut<SprawlEdits>,
     assets: Res<Assets<EditsFile>>,
     mut events: MessageReader<AssetEvent<EditsFile>>,
@@ -102,20 +105,24 @@ pub(super) fn take_edits(
         source.edits = loaded.edits.clone();
     }
     file.last = Some(loaded.clone());
+    if std::mem::take(&mut file.is_refused) {
+        reports.mend(loaded.file.clone());
+    }
 }
 
-/// Reports why a file was refused; its last good version stays.
+/// Reports why the file was refused; its last good version stays.
 pub(super) fn refuse_edits(
     mut stopwatch: Stopwatch,
-    mut commands: Commands,
-    file: Res<SprawlEdits>,
+    mut reports: FileReports,
+    mut file: ResMut<SprawlEdits>,
     mut failed: MessageReader<AssetLoadFailedEvent<EditsFile>>,
-    mut rejected: MessageWriter<AssetRejected>,
     mut awaited: ResMut<AwaitedFiles>,
 ) {
     let _running = stopwatch.start();
-    for event in failed.read().filter(|e| e.id == file.handle.id()) {
+    let id = file.handle.id();
+    for event in failed.read().filter(|e| e.id == id) {
         awaited.edits = false;
-        report_load_error(&mut commands, &mut rejected, &event.path, &event.error);
+        file.is_refused = true;
+        reports.refuse_load(&event.path, &event.error);
     }
 }

@@ -1,12 +1,13 @@
 //! The folder that styles and patch sets are loaded from.
 
-use super::rejection::{AssetRejected, report, report_load_error};
+use super::contents::FileContents;
+use super::rejection::FileReports;
 use crate::layer::FileError;
 use crate::patch::PatchSet;
 use crate::plugin::frame_time::Stopwatch;
 use crate::plugin::source::{AwaitedFiles, SprawlSource};
 use crate::style::Style;
-use crate::world::WorldAssets;
+use crate::world::{WorldAssets, WorldError};
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::prelude::*;
 use bevy::tasks::futures_lite::StreamExt;
@@ -26,6 +27,8 @@ pub struct SprawlFolder {
     patch_sets: BTreeMap<String, Handle<PatchSet>>,
     /// Files that have neither been loaded nor refused yet.
     waiting: BTreeSet<String>,
+    /// Files whose current version is refused.
+    refused: BTreeSet<String>,
     listing: Option<Task<Result<Listing, FileError>>>,
     rescan: bool,
     /// When it was last listed, in seconds of real time.
@@ -50,6 +53,7 @@ impl SprawlFolder {
             styles: BTreeMap::new(),
             patch_sets: BTreeMap::new(),
             waiting: BTreeSet::new(),
+            refused: BTreeSet::new(),
             listing: None,
             rescan: true,
             listed_at: 0.0,
@@ -61,6 +65,27 @@ impl SprawlFolder {
     /// Looks for files that have come or gone. The plugin does so by itself where the asset server watches files.
     pub fn rescan(&mut self) {
         self.rescan = true;
+    }
+
+    /// The files that have been loaded or refused.
+    pub(super) fn loaded_files(&self) -> impl Iterator<Item = String> {
+        let files = self.styles.keys().chain(self.patch_sets.keys());
+        files.filter(|file| !self.waiting.contains(*file)).cloned()
+    }
+
+    /// The place of an error of a world in the file of the style that causes it. `None` if no loaded style does.
+    pub(in crate::plugin) fn locate(&self, error: &WorldError, contents: &FileContents) -> Option<FileError> {
+        let (style, wanted) = match error {
+            WorldError::MissingFringe { style, fringe, .. } => (style, format!("\"{fringe}\"")),
+            WorldError::MissingPatchSet { style, set, .. } => (style, format!("\"{set}\"")),
+            WorldError::MissingPatch { style, patch } => (style, format!("\"{patch}\"")),
+            WorldError::NoPatches { style, .. } => (style, "patch_sets".to_owned()),
+            _ => return None,
+        };
+        let file = self.styles.keys().find(|file| asset_name(file).as_ref() == Some(style))?;
+        let content = contents.get(file)?;
+        let byte = content.windows(wanted.len()).position(|w| w == wanted.as_bytes());
+        Some(FileError::at(file.clone(), &content, byte.unwrap_or(0), error))
     }
 
     /// Whether files are still being read.
@@ -75,11 +100,10 @@ const LIST_EVERY: f32 = 1.0;
 /// Lists the folder, and starts to load the files in it.
 pub(super) fn list_files(
     mut stopwatch: Stopwatch,
-    mut commands: Commands,
+    mut reports: FileReports,
     time: Option<Res<Time<Real>>>,
     mut folder: ResMut<SprawlFolder>,
     server: Res<AssetServer>,
-    mut rejected: MessageWriter<AssetRejected>,
 ) {
     let _running = stopwatch.start();
     let folder = &mut *folder;
@@ -94,15 +118,21 @@ pub(super) fn list_files(
     folder.listing = None;
     match listing {
         Ok(Listing { styles, patches }) => {
-            folder.listing_error = None;
+            if let Some(error) = folder.listing_error.take() {
+                reports.mend(error.file);
+            }
             folder.changed |= load(&mut folder.styles, &mut folder.waiting, &server, styles);
             folder.changed |= load(&mut folder.patch_sets, &mut folder.waiting, &server, patches);
+            let (styles, patch_sets) = (&folder.styles, &folder.patch_sets);
+            for deleted in folder.refused.extract_if(.., |f| !styles.contains_key(f) && !patch_sets.contains_key(f)) {
+                reports.mend(deleted);
+            }
         }
         Err(error) if folder.listing_error.as_ref() == Some(&error) => {}
         Err(error) => {
             folder.listing_error = Some(error.clone());
             error!("{error}; the last styles and patch sets stay");
-            report(&mut commands, &mut rejected, error);
+            reports.refuse(error);
         }
     }
 }
@@ -155,6 +185,7 @@ fn load<A: Asset>(
 /// Notices files that have been loaded for the first time or again.
 pub(super) fn take_loaded(
     mut stopwatch: Stopwatch,
+    mut reports: FileReports,
     mut folder: ResMut<SprawlFolder>,
     mut styles: MessageReader<AssetEvent<Style>>,
     mut patch_sets: MessageReader<AssetEvent<PatchSet>>,
@@ -166,6 +197,9 @@ pub(super) fn take_loaded(
     for file in styles.chain(patch_sets) {
         folder.waiting.remove(file);
         folder.changed = true;
+        if folder.refused.remove(file) {
+            reports.mend(file.clone());
+        }
     }
 }
 
@@ -177,17 +211,20 @@ fn loaded<'a, A: Asset>(known: &'a BTreeMap<String, Handle<A>>, event: &AssetEve
 /// Reports files that have been refused.
 pub(super) fn take_failed(
     mut stopwatch: Stopwatch,
-    mut commands: Commands,
+    mut reports: FileReports,
     mut folder: ResMut<SprawlFolder>,
     mut styles: MessageReader<AssetLoadFailedEvent<Style>>,
     mut patch_sets: MessageReader<AssetLoadFailedEvent<PatchSet>>,
-    mut rejected: MessageWriter<AssetRejected>,
 ) {
     let _running = stopwatch.start();
     let styles = styles.read().map(|e| (&e.path, &e.error));
     for (path, error) in styles.chain(patch_sets.read().map(|e| (&e.path, &e.error))) {
-        folder.waiting.remove(&path.to_string());
-        report_load_error(&mut commands, &mut rejected, path, error);
+        let file = path.to_string();
+        folder.waiting.remove(&file);
+        if folder.styles.contains_key(&file) || folder.patch_sets.contains_key(&file) {
+            folder.refused.insert(file);
+        }
+        reports.refuse_load(path, error);
     }
 }
 
@@ -223,8 +260,12 @@ fn put<A: Clone + PartialEq>(
     asset: Option<&A>,
     before: &BTreeMap<String, Arc<A>>,
 ) {
-    let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned());
-    let (Some(name), Some(asset)) = (name, asset) else { return };
+    let (Some(name), Some(asset)) = (asset_name(file), asset) else { return };
     let same = before.get(&name).filter(|b| ***b == *asset).cloned();
     into.insert(name, same.unwrap_or_else(|| Arc::new(asset.clone())));
+}
+
+/// The name that a style or patch set has by its file.
+fn asset_name(file: &str) -> Option<String> {
+    Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned())
 }

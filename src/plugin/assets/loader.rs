@@ -3,6 +3,7 @@
 //! They claim no file extension, since other crates use `.ron` too. Name the type to load a file:
 //! `load::<Style>("styles/mine.ron")`.
 
+use super::contents::FileContents;
 use crate::layer::FileError;
 use crate::patch::PatchSet;
 use crate::style::Style;
@@ -42,12 +43,12 @@ impl TypePath for PatchSet {
 }
 
 /// Loads a [`Style`] from RON. Its error is a [`FileError`] with line and column.
-#[derive(Clone, Copy, Debug, Default, TypePath)]
-pub struct StyleLoader;
+#[derive(Clone, Debug, Default, TypePath)]
+pub struct StyleLoader(pub(super) FileContents);
 
 /// Loads a [`PatchSet`] from RON. Its error is a [`FileError`] with line and column.
-#[derive(Clone, Copy, Debug, Default, TypePath)]
-pub struct PatchSetLoader;
+#[derive(Clone, Debug, Default, TypePath)]
+pub struct PatchSetLoader(pub(super) FileContents);
 
 impl AssetLoader for StyleLoader {
     type Asset = Style;
@@ -55,7 +56,7 @@ impl AssetLoader for StyleLoader {
     type Error = FileError;
 
     async fn load(&self, reader: &mut dyn Reader, _: &(), context: &mut LoadContext<'_>) -> Result<Style, FileError> {
-        let (file, text) = read(reader, context).await?;
+        let (file, text) = read(reader, context, &self.0).await?;
         Style::from_ron(&file, &text)
     }
 }
@@ -71,16 +72,21 @@ impl AssetLoader for PatchSetLoader {
         _: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<PatchSet, FileError> {
-        let (file, text) = read(reader, context).await?;
+        let (file, text) = read(reader, context, &self.0).await?;
         PatchSet::from_ron(&file, &text)
     }
 }
 
-/// The name and the text of the file.
-pub(super) async fn read(reader: &mut dyn Reader, context: &LoadContext<'_>) -> Result<(String, String), FileError> {
+/// The name and the text of the file. Its content is noted in `contents`.
+pub(super) async fn read(
+    reader: &mut dyn Reader,
+    context: &LoadContext<'_>,
+    contents: &FileContents,
+) -> Result<(String, String), FileError> {
     let file = context.path().to_string();
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).await.map_err(|e| FileError::unreadable(&*file, e))?;
+    contents.set(&file, &bytes);
     let text = String::from_utf8(bytes).map_err(|e| {
         let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = good.iter().filter(|b| **b == b'\n').count() + 1;

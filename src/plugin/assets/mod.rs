@@ -1,14 +1,17 @@
 //! Styles, patch sets and edits as Bevy assets: loaded from a folder and a file, and loaded again when a file changes.
 
+mod contents;
 mod edits;
 mod folder;
 mod loader;
 mod rejection;
+mod watch;
 
+pub(super) use contents::FileContents;
 pub use edits::{EditsFile, EditsLoader, SprawlEdits};
 pub use folder::SprawlFolder;
 pub use loader::{PatchSetLoader, StyleLoader};
-pub use rejection::AssetRejected;
+pub use rejection::{AssetMended, AssetRejected};
 
 use super::schedule::WorldSystems;
 use super::source::AwaitedFiles;
@@ -25,7 +28,8 @@ pub(super) struct AssetsPlugin {
 
 impl Plugin for AssetsPlugin {
     fn build(&self, app: &mut App) {
-        app.add_message::<AssetRejected>();
+        let contents = FileContents::default();
+        app.add_message::<AssetRejected>().add_message::<AssetMended>().insert_resource(contents.clone());
         if !app.world().contains_resource::<AssetServer>() {
             if self.folder.is_some() || self.edits.is_some() {
                 error!(
@@ -38,10 +42,14 @@ impl Plugin for AssetsPlugin {
         }
         app.init_asset::<Style>()
             .init_asset::<PatchSet>()
-            .register_asset_loader(StyleLoader)
             .init_asset::<EditsFile>()
-            .register_asset_loader(PatchSetLoader)
-            .register_asset_loader(EditsLoader);
+            .register_asset_loader(StyleLoader(contents.clone()))
+            .register_asset_loader(PatchSetLoader(contents.clone()))
+            .register_asset_loader(EditsLoader(contents));
+        if self.folder.is_some() || self.edits.is_some() {
+            app.init_resource::<watch::Comparison>()
+                .add_systems(PostUpdate, watch::reload_changed.in_set(WorldSystems::Load));
+        }
         if let Some(file) = &self.edits {
             let handle = app.world().resource::<AssetServer>().load(file.clone());
             app.insert_resource(SprawlEdits::new(handle))

@@ -1,7 +1,8 @@
-//! Reports of files that were refused.
+//! Reports of files that are refused, and of errors that are mended.
 
 use crate::layer::FileError;
 use bevy::asset::{AssetLoadError, AssetPath};
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 /// A style, a patch set or a file of edits was refused, and its last good version stays. Sent as a message and as an
@@ -18,24 +19,44 @@ pub struct AssetRejected {
     pub reason: String,
 }
 
-/// Reports a file that could not be loaded.
-pub(super) fn report_load_error(
-    commands: &mut Commands,
-    rejected: &mut MessageWriter<AssetRejected>,
-    path: &AssetPath,
-    error: &AssetLoadError,
-) {
-    let located = match error {
-        AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
-        _ => None,
-    };
-    report(commands, rejected, located.unwrap_or_else(|| FileError::unreadable(path.to_string(), error)));
+/// A file that was refused ([`AssetRejected`]) is good again, or has been deleted. Sent as a message and as an event.
+#[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
+pub struct AssetMended {
+    /// The file, as the asset server names it.
+    pub file: String,
 }
 
-/// Reports an error of a file.
-pub(super) fn report(commands: &mut Commands, rejected: &mut MessageWriter<AssetRejected>, error: FileError) {
-    let FileError { file, line, column, reason } = error;
-    let event = AssetRejected { file, line, column, reason };
-    rejected.write(event.clone());
-    commands.trigger(event);
+/// Sends reports about files.
+#[derive(SystemParam)]
+pub(super) struct FileReports<'w, 's> {
+    commands: Commands<'w, 's>,
+    rejected: MessageWriter<'w, AssetRejected>,
+    mended: MessageWriter<'w, AssetMended>,
+}
+
+impl FileReports<'_, '_> {
+    /// Reports a file that could not be loaded.
+    pub fn refuse_load(&mut self, path: &AssetPath, error: &AssetLoadError) {
+        let located = match error {
+            AssetLoadError::AssetLoaderError(e) => e.error().downcast_ref::<FileError>().cloned(),
+            _ => None,
+        };
+        self.refuse(located.unwrap_or_else(|| FileError::unreadable(path.to_string(), error)));
+    }
+
+    /// Reports an error of a file.
+    pub fn refuse(&mut self, error: FileError) {
+        let FileError { file, line, column, reason } = error;
+        let event = AssetRejected { file, line, column, reason };
+        self.rejected.write(event.clone());
+        self.commands.trigger(event);
+    }
+
+    /// Reports that an error of a file is mended.
+    pub fn mend(&mut self, file: String) {
+        info!("{file} is good again");
+        let event = AssetMended { file };
+        self.mended.write(event.clone());
+        self.commands.trigger(event);
+    }
 }

@@ -5,10 +5,9 @@
 
 use super::build::FinishedChunk;
 use super::entry::ShownChunk;
-use super::index::ChunkIndex;
-use super::plan::Planned;
+use super::index::{ChunkIndex, Unloading};
 use crate::plugin::appearance::{PartMesh, SprawlMaterials};
-use crate::plugin::chunk::{ChunkData, ChunkDetail, ChunkReady, ChunkUnloaded};
+use crate::plugin::chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkReady, ChunkUnloaded};
 use crate::plugin::frame_time::FrameTime;
 use crate::plugin::stream_settings::StreamSettings;
 use crate::space::ChunkCoord;
@@ -31,8 +30,8 @@ pub(super) fn apply_chunks(world: &mut World) {
         if i > 0 && is_over_budget() {
             break;
         }
-        let Some((coord, entity)) = world.resource_mut::<ChunkIndex>().next_to_remove() else { break };
-        remove(world, coord, entity);
+        let Some(unloading) = world.resource_mut::<ChunkIndex>().next_to_unload() else { break };
+        unload(world, unloading);
     }
     let mut time = world.resource_mut::<FrameTime>();
     time.apply = start.elapsed();
@@ -54,29 +53,38 @@ fn apply(world: &mut World, coord: ChunkCoord) {
     let Some(entry) = index.entries.get_mut(&coord) else { return };
     let (parent, Some(finished)) = (entry.entity, entry.finished.take()) else { return };
     if world.get_entity(parent).is_err() {
-        // The game has despawned it: it is planned anew.
-        world.resource_mut::<ChunkIndex>().entries.remove(&coord);
-        world.resource_mut::<Planned>().again();
+        // The game has just despawned it: it will be planned anew.
         return;
     }
-    let FinishedChunk { chunk, detail, parts, .. } = finished;
+    let FinishedChunk { chunk, detail, outlines, parts, .. } = finished;
     let parts = spawn_parts(world, parent, parts);
     let mut index = world.resource_mut::<ChunkIndex>();
     let Some(entry) = index.entries.get_mut(&coord) else { return };
-    let old = entry.shown.replace(ShownChunk { detail, parts, settlements: chunk.settlements.clone() });
+    let change = match &entry.shown {
+        None => ChunkChange::Loaded,
+        Some(_) if entry.stale => ChunkChange::Data,
+        Some(_) => ChunkChange::Detail,
+    };
+    let chunk = match &entry.shown {
+        Some(shown) if change == ChunkChange::Detail => shown.chunk.clone(),
+        _ => chunk,
+    };
+    let old = entry.shown.replace(ShownChunk { detail, parts, chunk: chunk.clone(), outlines });
     entry.stale = false;
     let status = entry.status();
     entry.status_set = status;
-    let first = old.is_none();
     for part in old.into_iter().flat_map(|o| o.parts) {
         if let Ok(part) = world.get_entity_mut(part) {
             part.despawn();
         }
     }
     if let Ok(mut entity) = world.get_entity_mut(parent) {
-        entity.insert((ChunkData(chunk), ChunkDetail(detail), status));
+        entity.insert((ChunkDetail(detail), status));
+        if change != ChunkChange::Detail {
+            entity.insert(ChunkData(chunk));
+        }
     }
-    let event = ChunkReady { entity: parent, coord, detail, first };
+    let event = ChunkReady { entity: parent, coord, detail, change };
     world.write_message(event);
     world.trigger(event);
 }
@@ -97,11 +105,12 @@ fn spawn_parts(world: &mut World, parent: Entity, parts: Vec<PartMesh>) -> Vec<E
     spawned.collect()
 }
 
-fn remove(world: &mut World, coord: ChunkCoord, entity: Entity) {
-    if world.get_entity(entity).is_ok() {
-        let event = ChunkUnloaded { entity, coord };
-        world.trigger(event);
-        world.despawn(entity);
-        world.write_message(event);
+/// Announces a loaded chunk and despawns it. The game may have despawned it already.
+fn unload(world: &mut World, Unloading { coord, entity, chunk }: Unloading) {
+    let event = ChunkUnloaded { entity, coord, data: ChunkData(chunk) };
+    world.trigger(event.clone());
+    if let Ok(entity) = world.get_entity_mut(entity) {
+        entity.despawn();
     }
+    world.write_message(event);
 }

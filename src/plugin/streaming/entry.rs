@@ -1,10 +1,11 @@
 //! What is known about a chunk that has an entity.
 
 use super::build::{BuildOutcome, FinishedChunk};
+use crate::chunk::Chunk;
 use crate::layer::Cancel;
 use crate::mesh::Detail;
 use crate::plugin::chunk::ChunkStatus;
-use crate::region::Settlement;
+use crate::region::Outline;
 use bevy::prelude::Entity;
 use bevy::tasks::Task;
 use std::sync::Arc;
@@ -36,7 +37,9 @@ pub(super) struct ShownChunk {
     pub detail: Detail,
     /// Entities of its meshes.
     pub parts: Vec<Entity>,
-    pub settlements: Vec<Arc<Settlement>>,
+    pub chunk: Arc<Chunk>,
+    /// The outlines of its settlements, in their order.
+    pub outlines: Vec<Arc<Outline>>,
 }
 
 /// A task in flight.

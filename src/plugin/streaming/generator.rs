@@ -3,6 +3,7 @@
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
 use crate::mesh::{ChunkMesh, Detail};
+use crate::region::Outline;
 use crate::space::ChunkCoord;
 use crate::world::World;
 use std::sync::Arc;
@@ -15,6 +16,9 @@ pub(in crate::plugin) trait ChunkGenerator: Send + Sync + 'static {
     /// Makes a chunk.
     fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError>;
 
+    /// The outlines of the settlements of a chunk, in their order.
+    fn outlines(&self, chunk: &Chunk) -> Result<Vec<Arc<Outline>>, LayerError>;
+
     /// Makes the meshes of a chunk.
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError>;
 }
@@ -26,6 +30,10 @@ impl ChunkGenerator for World {
 
     fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
         self.chunk(coord, cancel)
+    }
+
+    fn outlines(&self, chunk: &Chunk) -> Result<Vec<Arc<Outline>>, LayerError> {
+        chunk.settlements.iter().map(|s| self.settlements().outline(s)).collect()
     }
 
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {

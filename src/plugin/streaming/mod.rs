@@ -41,7 +41,10 @@ impl Plugin for StreamingPlugin {
             .init_resource::<Scheduler>()
             .init_resource::<plan::Planned>()
             .register_type::<StreamSettings>()
-            .add_systems(PostUpdate, (plan::plan_chunks, scheduler::run_tasks).chain().in_set(SprawlSystems::Stream))
+            .add_systems(
+                PostUpdate,
+                (plan::notice_despawned, plan::plan_chunks, scheduler::run_tasks).chain().in_set(SprawlSystems::Stream),
+            )
             .add_systems(PostUpdate, apply::apply_chunks.in_set(SprawlSystems::Apply));
     }
 }

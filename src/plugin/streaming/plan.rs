@@ -5,7 +5,7 @@ use super::index::ChunkIndex;
 use super::scheduler::Scheduler;
 use super::wanted::wanted;
 use crate::plugin::anchor::{AnchorView, Anchors};
-use crate::plugin::chunk::ChunkStatus;
+use crate::plugin::chunk::{ChunkData, ChunkStatus, ChunkUnloaded};
 use crate::plugin::frame_time::{Stopwatch, measure_commands};
 use crate::plugin::origin::SprawlOrigin;
 use crate::plugin::stream_settings::StreamSettings;
@@ -43,13 +43,34 @@ impl Planned {
     }
 }
 
+/// Announces loaded chunks that a game has despawned itself, and plans them anew.
+pub(super) fn notice_despawned(
+    mut stopwatch: Stopwatch,
+    mut commands: Commands,
+    (mut index, mut scheduler, mut planned): (ResMut<ChunkIndex>, ResMut<Scheduler>, ResMut<Planned>),
+    entities: Query<(), With<ChunkCoord>>,
+    mut unloaded: MessageWriter<ChunkUnloaded>,
+) {
+    let _running = stopwatch.start();
+    let gone = index.entries.iter().filter(|(_, entry)| !entities.contains(entry.entity));
+    for coord in gone.map(|(coord, _)| *coord).collect::<Vec<_>>() {
+        let Some(mut entry) = index.entries.remove(&coord) else { continue };
+        scheduler.cancelled.extend(entry.cancel());
+        planned.again();
+        if let Some(shown) = entry.shown {
+            let event = ChunkUnloaded { entity: entry.entity, coord, data: ChunkData(shown.chunk) };
+            unloaded.write(event.clone());
+            commands.trigger(event);
+        }
+    }
+}
+
 /// Plans when an anchor has moved, come, gone or changed, or when there is a new world.
 pub(super) fn plan_chunks(
     mut stopwatch: Stopwatch,
     mut commands: Commands,
     (mut index, mut scheduler, mut planned): (ResMut<ChunkIndex>, ResMut<Scheduler>, ResMut<Planned>),
     (anchors, origin, settings): (Res<Anchors>, Res<SprawlOrigin>, Res<StreamSettings>),
-    entities: Query<()>,
 ) {
     let _running = stopwatch.start();
     if scheduler.generator.is_none() || (planned.is_current(&anchors) && !settings.is_changed()) {
@@ -58,35 +79,33 @@ pub(super) fn plan_chunks(
     planned.again = false;
     planned.anchors.clone_from(&anchors);
     let index = &mut *index;
-    // A game may despawn chunks itself: they are made anew while they are wanted.
-    let gone: Vec<ChunkCoord> =
-        index.entries.iter().filter(|(_, e)| !entities.contains(e.entity)).map(|(coord, _)| *coord).collect();
-    for coord in gone {
-        if let Some(mut entry) = index.entries.remove(&coord) {
-            scheduler.cancelled.extend(entry.cancel());
-        }
-    }
     let entries = &index.entries;
     let held = |coord: ChunkCoord| {
         let entry = entries.get(&coord)?;
         Some(entry.shown.as_ref().map_or(entry.want, |s| s.detail.min(entry.want)))
     };
     let wanted = wanted(&anchors, index.size, held);
-    for (coord, entry) in &mut index.entries {
-        match wanted.get(coord) {
-            Some(want) => {
-                entry.leaving = false;
-                entry.want = want.detail;
-                entry.priority = want.priority + if entry.shown.is_some() { REFRESH_PENALTY } else { 0.0 };
-            }
-            None if !entry.leaving => {
-                entry.leaving = true;
-                scheduler.cancelled.extend(entry.cancel());
-            }
-            None => {}
+    let abandoned = &mut index.abandoned;
+    index.entries.retain(|coord, entry| {
+        if let Some(want) = wanted.get(coord) {
+            entry.leaving = false;
+            entry.want = want.detail;
+            entry.priority = want.priority + if entry.shown.is_some() { REFRESH_PENALTY } else { 0.0 };
+            return true;
         }
-    }
+        if !entry.leaving {
+            entry.leaving = true;
+            scheduler.cancelled.extend(entry.cancel());
+        }
+        if entry.shown.is_none() {
+            abandoned.push(entry.entity);
+        }
+        entry.shown.is_some()
+    });
     measure_commands(&mut commands, |commands| {
+        for entity in index.abandoned.drain(..) {
+            commands.entity(entity).try_despawn();
+        }
         for (coord, want) in wanted {
             index.entries.entry(coord).or_insert_with(|| {
                 let entity = commands.spawn((

@@ -1,7 +1,7 @@
 //! Going over to another world.
 
 use super::generator::ChunkGenerator;
-use super::index::ChunkIndex;
+use super::index::{ChunkIndex, Unloading};
 use super::plan::Planned;
 use super::scheduler::Scheduler;
 use crate::space::ChunkCoord;
@@ -38,8 +38,14 @@ impl Streaming<'_> {
             self.scheduler.cancelled.extend(entry.cancel());
         }
         if !same_grid {
-            let old = std::mem::take(&mut self.index.entries);
-            self.index.retired.extend(old.into_iter().map(|(coord, entry)| (coord, entry.entity)));
+            for (coord, entry) in std::mem::take(&mut self.index.entries) {
+                match entry.shown {
+                    Some(shown) => {
+                        self.index.retired.push(Unloading { coord, entity: entry.entity, chunk: shown.chunk });
+                    }
+                    None => self.index.abandoned.push(entry.entity),
+                }
+            }
             return;
         }
         for (coord, entry) in &mut self.index.entries {

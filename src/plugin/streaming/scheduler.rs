@@ -1,6 +1,6 @@
 //! The tasks in flight.
 
-use super::build::{BuildFailure, BuildOrder, BuildOutcome};
+use super::build::{BuildOrder, BuildOutcome};
 use super::entry::Job;
 use super::generator::ChunkGenerator;
 use super::index::ChunkIndex;
@@ -8,6 +8,7 @@ use crate::layer::Cancel;
 use crate::plugin::chunk::{ChunkFailed, ChunkStatus};
 use crate::plugin::frame_time::Stopwatch;
 use crate::plugin::stream_settings::StreamSettings;
+use crate::plugin::task::BackgroundError;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 use std::sync::Arc;
@@ -55,8 +56,8 @@ pub(super) fn run_tasks(
                 scheduler.task_seconds += finished.seconds;
                 entry.finished = Some(*finished);
             }
-            Err(BuildFailure::Cancelled) => {}
-            Err(BuildFailure::Defect(reason)) => {
+            Err(BackgroundError::Cancelled) => {}
+            Err(BackgroundError::Defect(reason)) => {
                 scheduler.failed += 1;
                 entry.failed = true;
                 warn_once!("chunk {coord} could not be made (later failures are not logged): {reason}");

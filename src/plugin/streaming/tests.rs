@@ -7,17 +7,19 @@ use crate::layer::{Cancel, LayerError};
 use crate::mesh::{ChunkMesh, Detail, MeshBuffers};
 use crate::plugin::source::SprawlSource;
 use crate::plugin::{
-    ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, OriginShifted, ShiftsWithOrigin,
-    SprawlOrigin, SprawlStats, StreamAnchor, anchor, appearance, chunk, diagnostics, frame_time, schedule, shift,
+    ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, OriginShifted,
+    ShiftsWithOrigin, SprawlOrigin, SprawlStats, StreamAnchor, anchor, appearance, chunk, diagnostics, frame_time,
+    schedule, shift,
 };
+use crate::region::Outline;
 use crate::space::{ChunkCoord, Seed};
 use crate::terrain::{Terrain, TerrainSample};
 use crate::world::{WorldAssets, WorldSource};
 use bevy::ecs::system::SystemState;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 struct Flat;
@@ -73,6 +75,10 @@ impl ChunkGenerator for Fake {
         Ok(Arc::new(Chunk::empty(coord, self.size, ground)))
     }
 
+    fn outlines(&self, _: &Chunk) -> Result<Vec<Arc<Outline>>, LayerError> {
+        Ok(Vec::new())
+    }
+
     fn mesh(&self, chunk: &Chunk, _: Detail, _: &Cancel) -> Result<ChunkMesh, LayerError> {
         let s = chunk.size as f32;
         let ground = MeshBuffers {
@@ -115,7 +121,7 @@ fn replace(app: &mut App, generator: &Fake, stale: Stale) {
 }
 
 fn small() -> StreamAnchor {
-    StreamAnchor { load_radius: 600.0, unload_radius: 900.0, detail_radius: 300.0, start_on_street: false }
+    StreamAnchor { load_radius: 600.0, unload_radius: 900.0, detail_radius: 300.0, start_on_street: false, ..default() }
 }
 
 /// Runs until everything that is wanted is there and everything else is gone.
@@ -229,8 +235,9 @@ fn stale_work_is_cancelled_and_tasks_are_bounded() {
 fn a_shifted_origin_keeps_everything_in_its_place() {
     let maker = Fake::new(|_| How::Make);
     let (mut app, walker) = app(&maker, small());
-    let tree = app.world_mut().spawn((ShiftsWithOrigin, Transform::from_xyz(9_000.5, 3.0, -20.25))).id();
-    let fixed = app.world_mut().spawn(Transform::from_xyz(1.0, 2.0, 3.0)).id();
+    let tree = app.world_mut().spawn(Transform::from_xyz(9_000.5, 3.0, -20.25)).id();
+    let bird = app.world_mut().spawn((ShiftsWithOrigin::Yes, Transform::from_xyz(9_001.0, 30.0, 4.0))).id();
+    let fixed = app.world_mut().spawn((ShiftsWithOrigin::No, Transform::from_xyz(1.0, 2.0, 3.0))).id();
     // An anchor may be a child: the root that it belongs to is shifted, and it not twice.
     let head = app.world_mut().spawn((small(), Transform::from_xyz(0.0, 1.7, 0.0))).id();
     app.world_mut().entity_mut(head).insert(ChildOf(walker));
@@ -242,6 +249,7 @@ fn a_shifted_origin_keeps_everything_in_its_place() {
     let at = |app: &App, e: Entity| app.world().get::<Transform>(e).unwrap().translation;
     assert_eq!(shift.by, Vec3::new(-9_216.0, 0.0, 0.0));
     assert_eq!(at(&app, tree) - at(&app, walker), Vec3::new(0.5, 3.0, 9.75));
+    assert_eq!(at(&app, bird), Vec3::new(-215.0, 30.0, 4.0));
     assert_eq!(at(&app, walker), Vec3::new(-216.0, 0.0, -30.0));
     assert_eq!(at(&app, head), Vec3::new(0.0, 1.7, 0.0));
     assert_eq!(at(&app, fixed), Vec3::new(1.0, 2.0, 3.0));
@@ -253,6 +261,35 @@ fn a_shifted_origin_keeps_everything_in_its_place() {
 }
 
 #[test]
+fn an_anchor_may_leave_the_origin_where_it_is() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, walker) = app(&maker, small());
+    let far = Transform::from_xyz(50_000.0, 0.0, 0.0);
+    let view = app.world_mut().spawn((StreamAnchor { moves_origin: false, ..small() }, far)).id();
+    settle(&mut app);
+    assert_eq!(*app.world().resource::<SprawlOrigin>(), SprawlOrigin::default());
+    assert!(chunks(&mut app).contains_key(&ChunkCoord::new(97, 0)), "its chunks are loaded all the same");
+    // It is shifted with the others.
+    move_to(&mut app, walker, Vec3::new(9_216.0, 0.0, 0.0));
+    settle(&mut app);
+    assert_eq!(app.world().get::<Transform>(view).unwrap().translation.x, 50_000.0 - 9_216.0);
+}
+
+#[test]
+fn an_anchor_outside_of_the_world_loads_nothing() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, anchor) = app(&maker, small());
+    for place in [Vec3::splat(3.0e38), Vec3::new(f32::NEG_INFINITY, 0.0, 0.0), Vec3::splat(f32::NAN)] {
+        move_to(&mut app, anchor, place);
+        settle(&mut app);
+        assert!(chunks(&mut app).is_empty(), "{place}");
+    }
+    move_to(&mut app, anchor, Vec3::new(9.0e11, 0.0, -9.0e11));
+    settle(&mut app);
+    assert!(!chunks(&mut app).is_empty());
+}
+
+#[test]
 fn a_chunk_that_fails_says_why_and_the_others_come() {
     let maker = Fake::new(|c| match (c.0.x, c.0.y) {
         (0, 0) => How::Defect,
@@ -260,7 +297,7 @@ fn a_chunk_that_fails_says_why_and_the_others_come() {
         _ => How::Make,
     });
     let (mut app, _) = app(&maker, small());
-    let seen: Arc<std::sync::Mutex<Vec<String>>> = Arc::default();
+    let seen: Arc<Mutex<Vec<String>>> = Arc::default();
     let log = seen.clone();
     app.add_observer(move |failed: On<ChunkFailed>| {
         log.lock().unwrap().push(format!("{} {}", failed.coord, failed.reason));
@@ -325,24 +362,50 @@ fn another_chunk_size_replaces_every_chunk() {
     assert_eq!(entities(&mut app), 2 * after + 1);
 }
 
+/// What an app has announced: the changes of ready chunks, and the chunks unloaded.
+#[derive(Clone, Default)]
+struct Log {
+    ready: Arc<Mutex<Vec<(ChunkCoord, ChunkChange)>>>,
+    unloaded: Arc<Mutex<Vec<ChunkCoord>>>,
+}
+
+impl Log {
+    fn of(app: &mut App) -> Self {
+        let log = Self::default();
+        let (ready, unloaded) = (log.ready.clone(), log.unloaded.clone());
+        app.add_observer(move |event: On<ChunkReady>, details: Query<&ChunkDetail>| {
+            assert_eq!(details.get(event.entity).unwrap().0, event.detail);
+            ready.lock().unwrap().push((event.coord, event.change));
+        });
+        app.add_observer(move |event: On<ChunkUnloaded>| {
+            assert_eq!(event.data.coord, event.coord);
+            unloaded.lock().unwrap().push(event.coord);
+        });
+        log
+    }
+
+    fn count(&self, change: ChunkChange) -> usize {
+        self.ready.lock().unwrap().iter().filter(|(_, c)| *c == change).count()
+    }
+}
+
 #[test]
 fn detail_follows_the_anchor_and_events_tell() {
     let maker = Fake::new(|_| How::Make);
     let (mut app, anchor) = app(&maker, small());
-    let log: Arc<std::sync::Mutex<(usize, usize, usize)>> = Arc::default();
-    let (ready, gone) = (log.clone(), log.clone());
-    app.add_observer(move |event: On<ChunkReady>, data: Query<&ChunkDetail>| {
-        assert_eq!(data.get(event.entity).unwrap().0, event.detail);
-        let mut log = ready.lock().unwrap();
-        if event.first { log.0 += 1 } else { log.1 += 1 }
-    });
-    app.add_observer(move |event: On<ChunkUnloaded>, data: Query<&ChunkDetail>| {
-        assert!(data.contains(event.entity), "everything is still in place");
-        gone.lock().unwrap().2 += 1;
+    let log = Log::of(&mut app);
+    app.add_observer(|event: On<ChunkUnloaded>, details: Query<&ChunkDetail>| {
+        assert!(details.contains(event.entity), "everything is still in place");
     });
     settle(&mut app);
     let loaded = chunks(&mut app).len();
-    assert_eq!(*log.lock().unwrap(), (loaded, 0, 0));
+    assert_eq!(log.ready.lock().unwrap().len(), loaded);
+    assert_eq!(log.count(ChunkChange::Loaded), loaded);
+    let data = |app: &mut App| {
+        let mut query = app.world_mut().query::<(&ChunkCoord, Ref<ChunkData>)>();
+        query.iter(app.world()).map(|(c, d)| (*c, Arc::as_ptr(&d.0))).collect::<BTreeMap<_, _>>()
+    };
+    let before = data(&mut app);
     move_to(&mut app, anchor, Vec3::new(512.0, 0.0, 0.0));
     settle(&mut app);
     let details = |app: &mut App| {
@@ -352,17 +415,62 @@ fn detail_follows_the_anchor_and_events_tell() {
     let detail = details(&mut app);
     assert_eq!(detail[&ChunkCoord::new(1, 0)], Detail::Full);
     assert_eq!(detail[&ChunkCoord::new(-1, 0)], Detail::Reduced);
-    assert!(log.lock().unwrap().1 > 0, "meshes were replaced");
+    assert!(log.count(ChunkChange::Detail) > 0, "meshes were replaced");
+    assert_eq!(log.count(ChunkChange::Data), 0);
+    assert!(data(&mut app).iter().all(|(c, data)| before.get(c).is_none_or(|b| b == data)), "data stays");
 }
 
 #[test]
-fn chunks_that_a_game_despawns_come_again() {
+fn a_new_world_changes_data() {
     let maker = Fake::new(|_| How::Make);
+    let (mut app, _) = app(&maker, small());
+    settle(&mut app);
+    let (log, loaded) = (Log::of(&mut app), chunks(&mut app).len());
+    replace(&mut app, &Fake::new(|_| How::Make), Stale::All);
+    settle(&mut app);
+    assert_eq!((log.count(ChunkChange::Data), log.ready.lock().unwrap().len()), (loaded, loaded));
+}
+
+#[test]
+fn chunks_that_a_game_despawns_are_announced_and_come_again_at_once() {
+    let maker = Fake::new(|_| How::Make);
+    let (mut app, _) = app(&maker, small());
+    settle(&mut app);
+    let log = Log::of(&mut app);
+    let despawned = [ChunkCoord::new(0, 0), ChunkCoord::new(-1, 1)];
+    for coord in despawned {
+        let (entity, _) = chunks(&mut app)[&coord];
+        app.world_mut().despawn(entity);
+    }
+    // No anchor moves.
+    app.update();
+    let mut unloaded = log.unloaded.lock().unwrap().clone();
+    unloaded.sort();
+    assert_eq!(unloaded, [despawned[1], despawned[0]]);
+    assert_eq!(messages::<ChunkUnloaded>(&app).len(), 2);
+    settle(&mut app);
+    assert!(despawned.iter().all(|coord| chunks(&mut app)[coord].1 == ChunkStatus::Ready));
+    assert_eq!(log.count(ChunkChange::Loaded), 2);
+}
+
+#[test]
+fn what_was_never_loaded_goes_at_once_and_without_notice() {
+    let maker = Fake::new(|c| if c.0.x < 100 { How::WaitUntilCancelled } else { How::Make });
     let (mut app, anchor) = app(&maker, small());
+    let log = Log::of(&mut app);
+    app.update();
+    let around = chunks(&mut app).len();
+    for step in 1..40 {
+        move_to(&mut app, anchor, Vec3::new(step as f32 * -3_000.0, 0.0, 0.0));
+        app.update();
+        assert!(chunks(&mut app).len() <= around + 8, "{} entities", chunks(&mut app).len());
+    }
+    let origin = *app.world().resource::<SprawlOrigin>();
+    move_to(&mut app, anchor, origin.to_bevy(DVec2::new(90_000.0, 0.0), 0.0));
     settle(&mut app);
-    let (entity, _) = chunks(&mut app)[&ChunkCoord::new(0, 0)];
-    app.world_mut().despawn(entity);
-    move_to(&mut app, anchor, Vec3::new(10.0, 0.0, 0.0));
+    assert!(log.unloaded.lock().unwrap().is_empty());
+    let loaded = log.count(ChunkChange::Loaded);
+    move_to(&mut app, anchor, Vec3::new(9.0e7, 0.0, 0.0));
     settle(&mut app);
-    assert_eq!(chunks(&mut app)[&ChunkCoord::new(0, 0)].1, ChunkStatus::Ready);
+    assert_eq!(log.unloaded.lock().unwrap().len(), loaded, "each that was ready");
 }
