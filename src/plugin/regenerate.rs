@@ -90,7 +90,10 @@ fn start_regeneration(
     }
     let loaded = index.settlements();
     regeneration.task = Some(AsyncComputeTaskPool::get().spawn(async move {
-        let world = World::new(source)?;
+        let world = match &old {
+            Some(old) => old.remade(source)?,
+            None => World::new(source)?,
+        };
         let stale = match (change, old) {
             (Difference::Some { styles, edits }, Some(old)) => {
                 let before = if edits { Some(&old) } else { None };

@@ -6,7 +6,8 @@ use bevy::prelude::*;
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamSettings {
-    /// The number of chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`.
+    /// The number of chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`,
+    /// and one on the web, where tasks run on the main thread.
     pub max_tasks: u32,
     /// Milliseconds per frame for giving finished chunks to their entities and for removing unwanted chunks. At least one
     /// chunk is applied in each frame, however long it takes.

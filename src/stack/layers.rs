@@ -23,7 +23,7 @@ pub struct Stack {
     pub(super) seed: Seed,
     terrain: Arc<dyn Terrain>,
     pub(super) settlements: Arc<Settlements>,
-    roads: Roads,
+    roads: Arc<Roads>,
     pub(super) styles: Styles,
     pub(super) fillers: Fillers,
     pub(super) pins: Vec<PatchEdit>,
@@ -42,7 +42,7 @@ pub struct StackParts {
     /// The settlements on it.
     pub settlements: Arc<Settlements>,
     /// The roads between them.
-    pub roads: Roads,
+    pub roads: Arc<Roads>,
     /// Every style that a settlement or another style may name, by name.
     pub styles: BTreeMap<String, Arc<Style>>,
     /// Every patch set, by name.
@@ -79,12 +79,12 @@ impl Stack {
     }
 
     /// Settlements.
-    pub fn settlements(&self) -> &Settlements {
+    pub fn settlements(&self) -> &Arc<Settlements> {
         &self.settlements
     }
 
     /// Roads.
-    pub fn roads(&self) -> &Roads {
+    pub fn roads(&self) -> &Arc<Roads> {
         &self.roads
     }
 

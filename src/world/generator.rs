@@ -55,23 +55,43 @@ impl World {
     /// The world of a source. Fails on settings and edits outside their ranges, and when a style, a patch set or a patch that
     /// is named is missing from the assets. Edits that this world cannot fulfil are left out: see [`World::rejected_edits`].
     pub fn new(source: WorldSource) -> Result<Self, WorldError> {
+        Self::make(source, None)
+    }
+
+    /// The world of another source, made as [`World::new`] makes it. Where both worlds have the same settlements and roads, as
+    /// after a change of styles, patch sets and pinned patches, it takes over those that this one has found already.
+    pub fn remade(&self, source: WorldSource) -> Result<Self, WorldError> {
+        Self::make(source, Some(self))
+    }
+
+    fn make(source: WorldSource, earlier: Option<&Self>) -> Result<Self, WorldError> {
         let WorldSource { seed, settings, assets, edits, terrain } = &source;
         settings.check()?;
         edits.check()?;
-        let terrain = terrain.make(*seed, settings);
         assets.check(settings)?;
         let mib = |mib: f64| (mib * 1024.0 * 1024.0) as usize;
-        let region = mib(settings.cache.region_mib);
-        let has_style = |style: &str| assets.styles.contains_key(style);
-        let settlements = Arc::new(Settlements::with_edits(
-            *seed,
-            &settings.settlements,
-            terrain.clone(),
-            &edits.settlements,
-            has_style,
-            region / 4,
-        ));
-        let roads = Roads::with_edits(&settings.roads, terrain.clone(), settlements.clone(), edits, region / 4 * 3);
+        let (terrain, settlements, roads) = match earlier.filter(|e| e.source().has_region_of(&source)) {
+            Some(earlier) => {
+                let stack = earlier.stack();
+                (stack.terrain().clone(), stack.settlements().clone(), stack.roads().clone())
+            }
+            None => {
+                let terrain = terrain.make(*seed, settings);
+                let region = mib(settings.cache.region_mib);
+                let has_style = |style: &str| assets.styles.contains_key(style);
+                let settlements = Arc::new(Settlements::with_edits(
+                    *seed,
+                    &settings.settlements,
+                    terrain.clone(),
+                    &edits.settlements,
+                    has_style,
+                    region / 4,
+                ));
+                let (ground, bytes) = (terrain.clone(), region / 4 * 3);
+                let roads = Roads::with_edits(&settings.roads, ground, settlements.clone(), edits, bytes);
+                (terrain, settlements, Arc::new(roads))
+            }
+        };
         let stack = Stack::new(StackParts {
             seed: *seed,
             terrain,

@@ -35,6 +35,16 @@ impl WorldSource {
     }
 }
 
+impl WorldSource {
+    /// Whether two sources have the same terrain, settlements and roads, with caches of the same size.
+    pub(super) fn has_region_of(&self, other: &Self) -> bool {
+        let cells_aside = |e: &Edits| Edits { patches: Vec::new(), ..e.clone() };
+        (self.seed, &self.settings, &self.terrain) == (other.seed, &other.settings, &other.terrain)
+            && self.assets.styles.keys().eq(other.assets.styles.keys())
+            && cells_aside(&self.edits) == cells_aside(&other.edits)
+    }
+}
+
 /// The ground of a world. Two of your own are equal if they share the `Arc`.
 #[derive(Clone, Default)]
 pub enum TerrainSource {
@@ -73,5 +83,35 @@ impl PartialEq for TerrainSource {
 impl std::fmt::Debug for TerrainSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(if matches!(self, Self::Noise) { "Noise" } else { "Own" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::World;
+
+    #[test]
+    fn a_world_of_other_patches_takes_over_settlements_and_roads() {
+        let world = World::new(WorldSource::new(Seed(3))).expect("the bundled assets make a world");
+        let shares_roads = |change: &dyn Fn(&mut WorldSource)| {
+            let mut source = world.source().clone();
+            change(&mut source);
+            let next = world.remade(source).expect("it makes a world");
+            Arc::ptr_eq(world.stack().roads(), next.stack().roads())
+        };
+        assert!(shares_roads(&|s| {
+            let mut style = (*s.assets.styles["suburb"]).clone();
+            style.parcels.vacant = 1.0;
+            s.assets.styles.insert("suburb".into(), Arc::new(style));
+        }));
+        assert!(!shares_roads(&|s| s.seed = Seed(4)));
+        assert!(!shares_roads(&|s| s.settings.roads.minor.reach *= 0.9));
+        assert!(!shares_roads(&|s| s.terrain = TerrainSource::own(NoiseTerrain::new(Seed(3), &Default::default()))));
+        assert!(!shares_roads(&|s| {
+            let (name, style) =
+                s.assets.styles.iter().next().map(|(n, s)| (format!("{n}2"), s.clone())).expect("a style");
+            s.assets.styles.insert(name, style);
+        }));
     }
 }

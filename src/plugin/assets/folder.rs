@@ -69,8 +69,10 @@ impl SprawlFolder {
 
     /// The files that have been loaded or refused.
     pub(super) fn loaded_files(&self) -> impl Iterator<Item = String> {
-        let files = self.styles.keys().chain(self.patch_sets.keys());
-        files.filter(|file| !self.waiting.contains(*file)).cloned()
+        let styles = self.styles.iter().map(|(file, handle)| (file, handle.path()));
+        let patch_sets = self.patch_sets.iter().map(|(file, handle)| (file, handle.path()));
+        let files = styles.chain(patch_sets).filter(|(file, _)| !self.waiting.contains(*file));
+        files.filter_map(|(_, path)| Some(path?.to_string()))
     }
 
     /// The place of an error of a world in the file of the style that causes it. `None` if no loaded style does.
@@ -82,10 +84,11 @@ impl SprawlFolder {
             WorldError::NoPatches { style, .. } => (style, "patch_sets".to_owned()),
             _ => return None,
         };
-        let file = self.styles.keys().find(|file| asset_name(file).as_ref() == Some(style))?;
-        let content = contents.get(file)?;
+        let (_, handle) = self.styles.iter().find(|(file, _)| asset_name(file).as_ref() == Some(style))?;
+        let file = handle.path()?.to_string();
+        let content = contents.get(&file)?;
         let byte = content.windows(wanted.len()).position(|w| w == wanted.as_bytes());
-        Some(FileError::at(file.clone(), &content, byte.unwrap_or(0), error))
+        Some(FileError::at(file, &content, byte.unwrap_or(0), error))
     }
 
     /// Whether files are still being read.

@@ -84,6 +84,8 @@ fn start_tasks(index: &mut ChunkIndex, scheduler: &Scheduler, settings: &StreamS
     let Some(generator) = &scheduler.generator else { return };
     let pool = AsyncComputeTaskPool::get();
     let most = match settings.max_tasks {
+        // On the web, tasks run on the main thread.
+        0 if cfg!(target_family = "wasm") => 1,
         0 => 3 * pool.thread_num().max(1),
         n => n as usize,
     };
