@@ -17,7 +17,7 @@ Walk through an endless world of towns.
 
 Without a display or a graphics adapter it is headless by itself.";
 
-/// What the command line says.
+/// The arguments of the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Args {
     pub seed: u64,
@@ -45,7 +45,7 @@ impl Default for Args {
     }
 }
 
-/// Reads the arguments; `Ok(None)` when help is asked for.
+/// Reads the arguments. `Ok(None)` means that help is asked for.
 pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, String> {
     let mut out = Args::default();
     let mut args = args.into_iter();

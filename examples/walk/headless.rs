@@ -1,4 +1,4 @@
-//! Without a window: walks along a route by itself, at 60 frames a second, with a simulated step of 1/60 s each.
+//! The walk without a window: the walker follows a route by itself, at 60 frames a second with a simulated step of 1/60 s.
 
 use crate::args::Args;
 use crate::report::{Measures, write_report};
@@ -18,12 +18,12 @@ use std::time::{Duration, Instant};
 /// Frames per second.
 pub const RATE: f64 = 60.0;
 
-/// How far the walk is.
+/// The phase of the walk.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// Waits for the first chunk, out in the country: how long does a cold start take?
+    /// Waits for the first chunk, out in the country. This measures a cold start.
     Arrive,
-    /// Looks for a way through the town, in the background.
+    /// Searches a way through the town, in the background.
     Plan,
     /// Waits at the beginning of the way until everything around is there.
     Wait,
@@ -31,11 +31,11 @@ pub enum Phase {
     Walk,
     /// Stands still for a screenshot.
     Shoot,
-    /// Writes what is to be left.
+    /// Writes the map and the report.
     Done,
 }
 
-/// Walks, leaves map, screenshots and report, and ends.
+/// Walks, writes the map, the screenshots and the report, and ends.
 pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> AppExit {
     if draws == shots::Draws::Not {
         println!("There is no graphics adapter, not even in software: no screenshots.");
@@ -46,7 +46,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
             return AppExit::from_code(2);
         }
     }
-    // Without an adapter, Bevy's own complaints about that say nothing new.
+    // Without an adapter, Bevy's own messages about that say nothing new.
     let filter = match draws {
         shots::Draws::Not => "warn,bevy_render=off,bevy_gizmos_render=off",
         _ => "warn,wgpu=error,bevy_render=error",
@@ -57,7 +57,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
             .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
             .set(RenderPlugin {
                 render_creation: adapter.unwrap_or_else(|| WgpuSettings { backends: None, ..default() }.into()),
-                // The few frames that are drawn shall show everything.
+                // The few frames that are drawn must show everything.
                 synchronous_pipeline_compilation: true,
                 ..default()
             })
@@ -82,7 +82,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
     app.run()
 }
 
-/// What is to be left, and where.
+/// Which files are written, and where.
 #[derive(Resource)]
 struct Leave(Args);
 

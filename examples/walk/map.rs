@@ -1,4 +1,4 @@
-//! A map of where the walk went, as SVG.
+//! A map of the walk, as SVG.
 
 use crate::tour::Tour;
 use bevy::math::DVec2;
@@ -9,7 +9,7 @@ use bevy_sprawl::world::World;
 use std::error::Error;
 use std::fmt::Write;
 
-/// Metres around the way that are shown.
+/// The map shows this much around the way, in metres.
 const MARGIN: f64 = 300.0;
 
 /// Longest edge of the picture in pixels.
@@ -96,7 +96,7 @@ fn fill(class: StreetClass) -> &'static str {
     }
 }
 
-/// Water and woods, in squares of some metres.
+/// Draws water and woods as squares of some metres.
 fn ground(svg: &mut String, world: &World, bounds: Bounds, scale: f64) -> std::fmt::Result {
     let step = (bounds.size().max_element() / 160.0).max(8.0);
     let (mut water, mut wood) = (String::new(), String::new());

@@ -1,4 +1,4 @@
-//! What is measured on the walk, and the report.
+//! Measures of the walk, and the report.
 
 use crate::headless::Phase;
 use crate::tour::Tour;
@@ -8,10 +8,10 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Memory is compared from this frame on: the first screenshot is taken before it, and brings up the renderer.
+/// Memory is compared from this frame on. The first screenshot, which starts the renderer, is taken before it.
 const MEMORY_FROM: usize = 120;
 
-/// What is measured on the walk.
+/// Measures of the walk.
 #[derive(Resource)]
 pub struct Measures {
     /// Time to make the world, before the first frame.
@@ -26,7 +26,7 @@ pub struct Measures {
     busy: Duration,
     made_before: u64,
     rss_start: f64,
-    /// At the end of each lap.
+    /// Memory at the end of each lap, in MB.
     rss_laps: Vec<f64>,
 }
 
@@ -53,7 +53,7 @@ impl Measures {
         self.frame = now;
     }
 
-    /// The first chunk under the walker is there.
+    /// Notes that the first chunk under the walker is loaded.
     pub fn first_chunk(&mut self) {
         let since = self.first_frame.map_or(Duration::ZERO, |f| f.elapsed());
         self.first_chunk.get_or_insert(self.making + since);
@@ -63,8 +63,8 @@ impl Measures {
         self.made_before = stats.chunks_made;
     }
 
-    /// Frames are measured while walking, from their first to their last system: the pause between frames and the
-    /// frames around screenshots are left out.
+    /// Measures a frame of the walk from its first to its last system. Pauses between frames and the frames around
+    /// screenshots are left out.
     pub fn end_frame(&mut self, phase: Phase, stats: &SprawlStats, tour: &Tour, ground: impl FnOnce() -> bool) {
         if tour.laps_done() > self.rss_laps.len() {
             self.rss_laps.push(rss_mb());
@@ -114,17 +114,17 @@ pub struct Report {
     pub plugin_ms_max: f64,
     pub chunks_made: u64,
     pub chunks_failed: u64,
-    /// Chunks made in a second in which there was something to make.
+    /// Chunks made per second in which tasks were in flight.
     pub chunks_per_s: f64,
-    /// Mean time of a task.
+    /// Mean time of a task in milliseconds.
     pub chunk_ms: f64,
     /// Frames in which the ground under the walker was missing.
     pub holes: u64,
-    /// From making the world to the first ground under the walker; -1 if it never came.
+    /// Milliseconds from making the world to the first ground under the walker; -1 if there never was any.
     pub first_chunk_ms: f64,
     pub rss_start_mb: f64,
     pub rss_end_mb: f64,
-    /// At the end of each lap.
+    /// Memory at the end of each lap, in MB.
     pub rss_lap_mb: Vec<f64>,
     pub distance_m: f64,
 }
@@ -156,7 +156,7 @@ impl Report {
         out + &format!("  \"rss_lap_mb\": [{}]\n}}\n", laps.join(", "))
     }
 
-    /// A few lines for people.
+    /// The report in a few lines of text.
     pub fn summary(&self, tour: &Tour) -> String {
         let place = tour.town.as_ref().map_or("open country".into(), |t| t.name.clone());
         let way = if tour.on_streets { "along its streets" } else { "in a straight line" };
@@ -193,7 +193,7 @@ fn percentile(values: &[f32], share: f64) -> f64 {
     sorted.get(at).copied().map_or(0.0, f64::from)
 }
 
-/// Memory of the process in megabytes; 0 where the system does not tell.
+/// Memory of the process in megabytes; 0 where it is not known.
 fn rss_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmRSS:"));

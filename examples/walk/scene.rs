@@ -16,11 +16,10 @@ const HAZE: Color = Color::srgb(0.80, 0.87, 0.93);
 /// Colour of the sky overhead.
 const ZENITH: Color = Color::srgb(0.30, 0.52, 0.82);
 
-/// Distances in metres at which things begin to fade, and at which nothing is seen any more: about where loading
-/// begins.
+/// Haze begins at the first distance and hides everything beyond the second, about the load radius. In metres.
 const SIGHT: (f32, f32) = (250.0, 1_300.0);
 
-/// The way of sunlight.
+/// The direction of sunlight.
 const SUN: Vec3 = Vec3::new(0.55, -0.75, -0.45);
 
 /// A camera for a clear day.
@@ -62,7 +61,7 @@ pub fn light(
         .build(),
         Transform::default().looking_to(SUN, Vec3::Y),
     ));
-    // Light from the sky opposite the sun gives walls in the shade a shape.
+    // Light from the sky opposite the sun gives shape to walls in the shade.
     commands.spawn((
         DirectionalLight { illuminance: 9_000.0, color: Color::srgb(0.8, 0.9, 1.0), ..default() },
         Transform::default().looking_to(Vec3::new(-SUN.x, -0.9, -SUN.z + 0.4), Vec3::Y),
@@ -87,7 +86,7 @@ pub fn keep_sky(
     }
 }
 
-/// A dome, the colour of haze from a little over the horizon downwards.
+/// A dome that has the colour of haze from a little over the horizon downwards.
 fn dome(radius: f32) -> Mesh {
     const RINGS: u32 = 12;
     const SIDES: u32 = 32;

@@ -1,4 +1,4 @@
-//! Screenshots without a window. The camera draws only for these: in software a frame takes seconds.
+//! Screenshots without a window. The camera draws only for screenshots, since a frame in software takes seconds.
 
 use crate::args::Args;
 use crate::headless::Phase;
@@ -14,21 +14,21 @@ use std::time::Instant;
 /// Size of a screenshot in pixels.
 const SIZE: (u32, u32) = (1280, 720);
 
-/// When screenshots are taken, as shares of the walk, and what they are called.
+/// When screenshots are taken, as shares of the walk, and their names.
 const MOMENTS: [(f64, &str); 5] =
     [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
 
-/// What can draw.
+/// What draws the frames.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draws {
     Not,
-    /// The processor does a graphics card's work.
+    /// A software adapter.
     InSoftware,
     WithCard,
 }
 
 impl Draws {
-    /// Smooth edges, where they cost little.
+    /// Antialiasing, where it costs little.
     pub fn msaa(self) -> Msaa {
         if self == Self::WithCard { Msaa::Sample4 } else { Msaa::Off }
     }
@@ -45,7 +45,7 @@ pub struct Shots {
     since: Option<Instant>,
     /// Where the walker was before it was lifted for a view from above.
     stood: Option<Transform>,
-    /// Files written.
+    /// The files that were written.
     pub taken: Vec<PathBuf>,
 }
 

@@ -18,7 +18,7 @@ use std::time::Instant;
 /// Height of the eyes over the ground, in metres.
 const EYES: f32 = 1.7;
 
-/// How long the walker waits for the first ground, or for everything around, before it goes on regardless, in seconds.
+/// The walker waits this long for the first ground, or for everything around, in seconds. Then it goes on regardless.
 const PATIENCE: f64 = 30.0;
 
 /// The walk.
@@ -81,14 +81,14 @@ impl Tour {
         if self.length > 0.0 { (self.walked / self.lap()) as usize } else { 0 }
     }
 
-    /// Metres along the way, and whether it is walked forward.
+    /// Metres along the way, and whether the walker goes forward.
     fn along(&self) -> (f64, bool) {
         let length = line_length(&self.way).max(1e-9);
         let lap = self.walked.rem_euclid(2.0 * length);
         if lap <= length { (lap, true) } else { (2.0 * length - lap, false) }
     }
 
-    /// A point so many metres farther on.
+    /// The point `metres` farther on.
     fn ahead(&self, metres: f64) -> DVec2 {
         let (along, forward) = self.along();
         let to = if forward { along + metres } else { along - metres };
@@ -107,7 +107,7 @@ pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
     let mut start = tour.at;
     // This waits for the answer, which a game should not do: there is no window yet that could freeze.
     if let Ok(town) = block_on(sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0))) {
-        // A walk that fits: from 500 m before the outline to 500 m behind it, or at the pace that was asked for.
+        // At the default pace, the walk leads from 500 m before the outline to 500 m behind it.
         let through = 2.0 * (town.radius + 500.0) * tour.laps;
         tour.pace = tour.speed.unwrap_or((through / tour.seconds).clamp(5.0, 100.0));
         tour.length = tour.pace * tour.seconds;
@@ -137,7 +137,7 @@ pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: Re
     tour.planning = Some(sprawl.ask(move |world, cancel| way_through(world, &town, from, length, cancel)));
 }
 
-/// Takes the way once it has been found; the fall-back is a straight line through the middle of the town.
+/// Takes the way once it has been found. Where there is none, the way is a straight line through the middle of the town.
 pub fn plan(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>) {
     if *phase != Phase::Plan {
         return;
@@ -216,8 +216,8 @@ fn stand(tour: &Tour, sprawl: &Sprawl, transform: &mut Transform) {
     }
 }
 
-/// A way of about `length` metres along roads and streets: towards the town from the side of `from`, through its
-/// middle, and out on the other side. `None` when the network does not lead through.
+/// A way of about `length` metres along roads and streets. It leads to the town from the side of `from`, through the middle
+/// of the town, and out on the other side. `None` if the network does not lead there.
 fn way_through(
     world: &Sprawled,
     town: &Settlement,
@@ -228,7 +228,7 @@ fn way_through(
     let centre = town.centre.plan();
     let reach = (length / 2.0).max(town.radius + 200.0);
     let outside = (reach * 0.8).max(town.radius * 0.8);
-    // Points of roads outside, one from each piece of road.
+    // Points on roads outside of the town, one for each section of road.
     let mut ends: Vec<DVec2> = Vec::new();
     for road in world.roads().overlapping(Bounds::square(centre, 2.0 * reach + 1_000.0), cancel)? {
         let line: Vec<DVec2> = road.street.line.iter().map(|p| road.origin.to_plan(*p)).collect();
@@ -243,7 +243,7 @@ fn way_through(
     let Some(first) = world.route(start, centre, 800.0, cancel)? else { return Ok(None) };
     let mut way = first.points;
     let middle = line_length(&way);
-    // The first end that leads on without turning back on the way that was come.
+    // The first end whose way does not go back along the way to the middle.
     for end in ends.into_iter().filter(|e| e.distance(start) > town.radius) {
         let Some(second) = world.route(centre, end, 800.0, cancel)? else { continue };
         let back = second.points.iter().filter(|p| closest_on_line(**p, &way).1.distance(**p) < 1.0).count();
@@ -252,7 +252,7 @@ fn way_through(
             break;
         }
     }
-    // As long as was asked for, the middle of the town in the middle.
+    // Cut to the wanted length around the middle of the town.
     let all = line_length(&way);
     let begin = (middle - length / 2.0).clamp(0.0, (all - length).max(0.0));
     Ok(Some(cut_line(&way, begin, (begin + length).min(all))))

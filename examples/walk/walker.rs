@@ -1,4 +1,4 @@
-//! First person in a window.
+//! The walk in a window, in the first person.
 
 use crate::args::Args;
 use crate::shots::Draws;
@@ -61,7 +61,7 @@ impl Walker {
     }
 }
 
-/// A click catches the mouse, Esc frees it.
+/// A click catches the mouse; Esc frees it.
 fn grab_mouse(
     mut cursor: Single<&mut CursorOptions, With<PrimaryWindow>>,
     mouse: Res<ButtonInput<MouseButton>>,
@@ -123,7 +123,7 @@ fn walk(
         let direction = Quat::from_rotation_y(walker.yaw) * Vec3::new(aside, 0.0, -ahead);
         transform.translation += direction.normalize_or_zero() * speed * time.delta_secs();
     }
-    // Feet follow the ground; the eyes a little later, so that kerbs are no jolts.
+    // The eyes follow the ground with a delay, so that kerbs do not jolt.
     let Some(ground) = sprawl.height(transform.translation) else { return };
     let eyes = ground + EYES;
     if walker.flies {
