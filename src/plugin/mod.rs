@@ -33,7 +33,6 @@ mod anchor;
 mod appearance;
 mod assets;
 mod chunk;
-mod depends;
 mod diagnostics;
 mod frame_time;
 mod gizmos;

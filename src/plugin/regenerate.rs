@@ -1,12 +1,11 @@
 //! Making the next world when the inputs change.
 
 use super::assets::{FileContents, SprawlFolder};
-use super::depends::{Difference, difference, unchanged_chunks};
 use super::frame_time::Stopwatch;
 use super::schedule::WorldSystems;
 use super::source::{AwaitedFiles, SprawlSource, SprawlWorld, WorldChanged, WorldMended, WorldRejected};
 use super::streaming::{ChunkIndex, Stale, Streaming};
-use crate::world::{World, WorldError};
+use crate::world::{Difference, World, WorldError, difference, unchanged_chunks};
 use bevy::ecs::system::SystemState;
 use bevy::prelude::{
     App, Commands, DetectChanges, IntoScheduleConfigs, MessageWriter, Plugin, PostUpdate, Res, ResMut, Resource, error,

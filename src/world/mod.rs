@@ -3,7 +3,7 @@
 
 mod area;
 mod assets;
-mod changed;
+mod depends;
 mod generator;
 mod route;
 mod settings;
@@ -11,7 +11,7 @@ mod source;
 
 pub use area::{Area, Owned};
 pub use assets::{WorldAssets, WorldError};
-pub use changed::changed_by_edits;
+pub use depends::{Difference, changed_by_edits, difference, unchanged_chunks};
 pub use generator::{NearestStreet, World};
 pub use route::Route;
 pub use settings::{CacheSettings, Settings};

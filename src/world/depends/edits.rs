@@ -1,6 +1,5 @@
 //! What differs between two worlds that have all but their edits in common.
 
-use super::{Settings, World};
 use crate::edits::{Edits, PatchEdit, RoadEdit, SettlementEdit, Shape};
 use crate::edits::{Influence, WayPoint};
 use crate::layer::{Cancel, LayerError};
@@ -8,6 +7,7 @@ use crate::network::SizeClass;
 use crate::network::StreetClass;
 use crate::region::{Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord};
+use crate::world::{Settings, World};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// What differs between the inputs of two worlds.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Difference {
+pub enum Difference {
     /// Nothing.
     None,
     /// Only styles, edits and sizes of caches.
@@ -25,7 +25,7 @@ pub(super) enum Difference {
 }
 
 /// What differs between the inputs of two worlds.
-pub(super) fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
+pub fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
     // The sizes of caches change how fast a world is made, not the world.
     let settings = Settings { cache: old.settings.cache.clone(), ..new.settings.clone() };
     if (old.seed, &old.settings, &old.terrain) != (new.seed, &settings, &new.terrain) {
@@ -79,7 +79,7 @@ fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Ar
 /// A chunk is left out if it shows a settlement of one of `styles`, or a settlement next to one: a main street that two
 /// towns share has ports from the styles of both. With `before`, the world of other edits, a chunk is also left out if it
 /// depends on edits that differ.
-pub(super) fn unchanged_chunks(
+pub fn unchanged_chunks(
     world: &World,
     before: Option<&World>,
     styles: &BTreeSet<String>,
