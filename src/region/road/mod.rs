@@ -20,8 +20,7 @@
 //! 6. `overpass` lets roads that cross highways nearly at right angles pass over them on a bridge. A ramp joins both roads if the
 //!    settings ask for it.
 //! 7. `shape` smooths lines.
-//! 8. `sections` follows lines between junctions from tile to tile and cuts them at the ends of bridges and tunnels, with heights
-//!    (`profile`).
+//! 8. `sections` follows lines between junctions from tile to tile and cuts them at the ends of bridges and tunnels.
 //!
 //! # Padding
 //!
@@ -67,7 +66,6 @@ mod network;
 mod nodes;
 mod overpass;
 mod padding;
-mod profile;
 mod proximity;
 mod repulsion;
 mod roads;

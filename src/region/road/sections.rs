@@ -4,8 +4,7 @@
 use super::budget::Budget;
 use super::graph::Graphs;
 use super::inputs::Inputs;
-use super::overpass::{BuiltGraphs, CLEARANCE, HALF_LENGTH, longest_way, rise};
-use super::profile::Profile;
+use super::overpass::{BuiltGraphs, HALF_LENGTH, longest_way};
 use super::shape::{Shape, Shapes, TileShapes, corner};
 use super::tile::{tile_bounds, tiles_around};
 use super::vertex::{Graph, Key};
@@ -13,7 +12,7 @@ use super::water_bridges::{SHORT_END, SHORT_LAND, land_and_water};
 use crate::layer::{Cancel, LayerCache, LayerError, Weigh};
 use crate::network::{JunctionId, Street, StreetId};
 use crate::space::{
-    Bounds, Origin, closest_on_line, cut_line, line_length, math::mix, quantize, segment_crossing, segments,
+    Bounds, Origin, closest_on_line, cut_line, line_length, quantize, segment_crossing, segments,
     stable_hash,
 };
 use glam::{DVec2, I64Vec2};
@@ -27,10 +26,6 @@ pub struct Road {
     pub origin: Origin,
     /// The section as a street of the class highway, major or minor.
     pub street: Street,
-    /// Height of the road in metres at each point of `street.line`. On the ground the height is evened out, so that no stretch is
-    /// steeper than the class allows; at junctions it is the height of the ground. Bridges and tunnels are straight from end
-    /// to end.
-    pub heights: Vec<f64>,
 }
 
 impl Road {
@@ -46,7 +41,7 @@ pub(super) struct SectionList(pub Vec<Arc<Road>>);
 
 impl Weigh for SectionList {
     fn bytes(&self) -> usize {
-        let points = |r: &Road| r.street.line.len() * (size_of::<DVec2>() + size_of::<f64>());
+        let points = |r: &Road| r.street.line.len() * size_of::<DVec2>();
         self.0.iter().map(|r| 8 + size_of::<Road>() + points(r)).sum::<usize>() + 24
     }
 }
@@ -237,16 +232,14 @@ fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>
     for i in 1..corners.len().saturating_sub(1) {
         if let Some(below) = keys[i].below() {
             let around = [&corners[i - 1], &corners[i], &corners[i + 1]];
-            overpasses.push(overpass(inputs, walk, below, around, origin, &line)?);
+            overpasses.push(overpass(walk, below, around, origin, &line)?);
         }
     }
     let mut parts = parts(inputs, origin, &line, &runs);
-    for overpass in &overpasses {
+    for overpass in overpasses {
         parts = with_overpass(parts, &line, overpass);
     }
-    let profile = Profile::along(&*inputs.terrain, origin, &line, &runs, inputs.settings.class(class).slope_limit);
     let mut out = Vec::new();
-    let mut at = 0.0;
     for (i, part) in parts.iter().enumerate() {
         let end = |at: usize| match at {
             0 => from,
@@ -254,17 +247,9 @@ fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>
             n => JunctionId::of(&[3, name, n as u64]),
         };
         let id = StreetId::of(&[name, end(i).0, end(i + 1).0, i as u64]);
-        let (mut heights, ends) = profile.heights(&part.line, at);
-        for overpass in overpasses.iter().filter(|o| at < o.along && o.along < ends) {
-            overpass.lift(&part.line, at, &mut heights);
-        }
-        at = ends;
-        if let (true, Some(last)) = (i + 1 == parts.len(), heights.last_mut()) {
-            *last = profile.end();
-        }
         let mut street = Street::new(id, class, end(i), end(i + 1), part.line.clone());
         (street.level, street.bridge, street.tunnel) = (part.level, part.bridge, part.level < 0);
-        out.push(Arc::new(Road { origin, street, heights }));
+        out.push(Arc::new(Road { origin, street }));
     }
     Ok(out)
 }
@@ -298,24 +283,15 @@ fn parts(inputs: &Inputs, origin: Origin, line: &[DVec2], runs: &[(usize, i8)]) 
     out
 }
 
-/// Where a line passes over a highway.
-struct Overpass {
-    /// Metres along the line.
-    along: f64,
-    /// Least height of the line there.
-    height: f64,
-}
-
-/// The overpass of a line over the highway that has the vertex `below`. `around` holds the line's own vertex there, between the
-/// vertices before and after it.
+/// Metres along a line at which it passes over the highway that has the vertex `below`. `around` holds the line's own vertex
+/// there, between the vertices before and after it.
 fn overpass(
-    inputs: &Inputs,
     walk: &mut Walk,
     below: Key,
     around: [&Shape; 3],
     origin: Origin,
     line: &[DVec2],
-) -> Result<Overpass, LayerError> {
+) -> Result<f64, LayerError> {
     let mut highway: Vec<Shape> = Vec::new();
     if let Some(v) = walk.graph(below.tile())?.vertices.get(&below) {
         for (key, position) in v.ways.iter().map(|w| (w.to, w.position)).chain([(below, v.position)]) {
@@ -340,29 +316,13 @@ fn overpass(
         None
     };
     let at = met.unwrap_or_else(|| around[1].position.local_to(origin));
-    let height = inputs.terrain.height(origin.to_plan(at)) + CLEARANCE;
-    Ok(Overpass { along: closest_on_line(at, line).0, height })
+    Ok(closest_on_line(at, line).0)
 }
 
-impl Overpass {
-    /// Lifts the heights along its bridge, which is the part of the line that begins `from` metres along the line.
-    fn lift(&self, part: &[DVec2], from: f64, heights: &mut [f64]) {
-        let length = line_length(part);
-        let (Some(first), Some(last)) = (heights.first().copied(), heights.last().copied()) else { return };
-        let straight = |at: f64| mix(first, last, at / length.max(1e-9));
-        let own = self.along - from;
-        let lift = (self.height - straight(own)).max(0.0);
-        let mut at = 0.0;
-        for (i, height) in heights.iter_mut().enumerate() {
-            at += if i > 0 { part[i].distance(part[i - 1]) } else { 0.0 };
-            *height = straight(at) + lift * rise((at - own) / if at < own { own } else { length - own });
-        }
-    }
-}
-
-/// The parts of a line, with the bridge of an overpass added. Bridges that it would meet become part of it.
-fn with_overpass(parts: Vec<Part>, line: &[DVec2], overpass: &Overpass) -> Vec<Part> {
-    let (mut from, mut to) = (overpass.along - HALF_LENGTH, overpass.along + HALF_LENGTH);
+/// The parts of a line, with a bridge over the highway that it crosses `overpass` metres along. Bridges that the new bridge
+/// would meet become part of it.
+fn with_overpass(parts: Vec<Part>, line: &[DVec2], overpass: f64) -> Vec<Part> {
+    let (mut from, mut to) = (overpass - HALF_LENGTH, overpass + HALF_LENGTH);
     let mut at = 0.0;
     let mut ranges: Vec<(f64, f64, Part)> = Vec::new();
     for part in parts {
