@@ -14,8 +14,8 @@
 //! | `cli` | no | the `sprawl` command line, the exporters, terrain from PNG, and `maps` |
 //!
 //! The modules are layers, bottom to top: [`space`], [`network`], [`patch`] and [`layer`] know no other; then
-//! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`parcel`], [`chunk`] and [`mesh`], each reading only those
-//! below it; and [`world`] over all of them. [`analysis`] measures worlds.
+//! [`terrain`], [`region`], [`town`], [`seam`], [`streets`], [`surface`], [`parcel`], [`chunk`] and [`mesh`], each reading only
+//! those below it; and [`world`] over all of them. [`analysis`] measures worlds.
 //!
 //! The plan's axes are x east and y north in metres; angles are radians, counter-clockwise from east. In Bevy a plan point
 //! is `(x, height, -y)`.
@@ -42,6 +42,7 @@ pub mod space;
 pub mod stack;
 pub mod streets;
 pub mod style;
+pub mod surface;
 pub mod terrain;
 #[cfg(test)]
 mod testing;

@@ -1,11 +1,12 @@
 //! Assembling a chunk from the layers below.
 
-use crate::chunk::{Chunk, Deck, Ground};
+use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
+use crate::surface::Deck;
 use glam::DVec2;
 
 /// Least height of a deck above water, in metres.

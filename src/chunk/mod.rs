@@ -2,11 +2,9 @@
 //! for roads and terrain, and the largest settlement radius for towns.
 
 mod assemble;
-mod deck;
 mod ground;
 
 pub use assemble::assemble;
-pub use deck::{Deck, ROAD_LIFT, junction_reach};
 pub use ground::{GROUND_STEP, Ground};
 
 use crate::network::{Junction, Street};
@@ -14,6 +12,7 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::PlacedStreet;
+use crate::surface::Deck;
 use glam::DVec2;
 use std::sync::Arc;
 

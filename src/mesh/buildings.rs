@@ -2,7 +2,7 @@
 
 use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::mesh::drape::Surface;
+use crate::mesh::drape::Drape;
 use crate::mesh::roofs::{Roof, cap, roof};
 use crate::mesh::windows::{Storeys, windows};
 use crate::parcel::{Footprint, Lot};
@@ -40,7 +40,7 @@ const ROOFS: [Rgb; 6] = [
 const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
 
 /// All buildings of a chunk, and their windows; without `full` they are boxes without windows.
-pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
+pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
     let (mut solids, mut panes) = (MeshBuffers::default(), MeshBuffers::default());
     let mut lots: Vec<&Lot> = chunk.lots.iter().collect();
     lots.sort_by_key(|l| l.id);
@@ -53,7 +53,7 @@ pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) ->
             row.iter().map(|(_, f)| (Bounds::of(f.polygon.iter().copied()), &*f.polygon)).collect();
         for (_, footprint) in row {
             let lot = lot_of(footprint);
-            let floor = building(&mut solids, footprint, lot, surface, full);
+            let floor = building(&mut solids, footprint, lot, drape, full);
             if full {
                 let of = Storeys {
                     plan: &footprint.polygon,
@@ -62,7 +62,7 @@ pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) ->
                     street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
                     id: footprint.id,
                 };
-                windows(&mut panes, &of, &neighbours, surface);
+                windows(&mut panes, &of, &neighbours, drape);
             }
         }
     }
@@ -70,9 +70,9 @@ pub(super) fn buildings(chunk: &Chunk, surface: &mut Surface<'_>, full: bool) ->
 }
 
 /// Adds a building and returns the height of its ground floor.
-fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, surface: &mut Surface<'_>, full: bool) -> f64 {
+fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) -> f64 {
     let plan = &of.polygon;
-    let grounds = plan.iter().map(|p| surface.height(*p));
+    let grounds = plan.iter().map(|p| drape.height(*p));
     let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
     // The ground floor is entered from the uphill side, unless that would bury it.
     let floor = high.min(low + 2.0);

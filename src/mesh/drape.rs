@@ -1,10 +1,11 @@
 //! Laying flat shapes on the drawn ground: they are cut along the ground's triangles, so that they follow it exactly and
 //! it never shows through.
 
-use crate::chunk::{Chunk, Deck, GROUND_STEP};
+use crate::chunk::{Chunk, GROUND_STEP};
 use crate::mesh::buffers::{MeshBuffers, Rgb};
 use crate::network::StreetId;
 use crate::space::{Bounds, cross};
+use crate::surface::Deck;
 use crate::terrain::Terrain;
 use glam::{DVec2, DVec3, IVec2};
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 type Corner = (f64, DVec2);
 
 /// The drawn ground in a chunk's frame, inside its square and out, at every vertex or at every `stride`-th.
-pub(super) struct Surface<'a> {
+pub(super) struct Drape<'a> {
     chunk: &'a Chunk,
     terrain: &'a dyn Terrain,
     stride: i32,
@@ -27,11 +28,11 @@ pub(super) struct Surface<'a> {
     scratch: [Vec<DVec2>; 5],
 }
 
-impl<'a> Surface<'a> {
+impl<'a> Drape<'a> {
     /// The ground at every `stride`-th vertex; the chunk's square holds a whole number of such steps.
     pub fn new(chunk: &'a Chunk, terrain: &'a dyn Terrain, stride: i32) -> Self {
         let cells = chunk.ground.cells as i32 / stride;
-        let mut surface = Self {
+        let mut drape = Self {
             chunk,
             terrain,
             stride,
@@ -44,11 +45,11 @@ impl<'a> Surface<'a> {
         };
         for row in 0..=cells {
             for column in 0..=cells {
-                let corner = surface.measure(IVec2::new(column, row));
-                surface.inside.push(corner);
+                let corner = drape.measure(IVec2::new(column, row));
+                drape.inside.push(corner);
             }
         }
-        surface
+        drape
     }
 
     /// The deck of a bridge.
@@ -175,7 +176,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Adds a wall along `a`-`b` that faces to the right, from `low` to `high` metres above the ground.
-    pub fn wall(&mut self, out: &mut MeshBuffers, a: DVec2, b: DVec2, [low, high]: [f64; 2], colour: Rgb) {
+    pub fn wall(&mut self, out: &mut MeshBuffers, [a, b]: [DVec2; 2], [low, high]: [f64; 2], colour: Rgb) {
         let d = b - a;
         if d.length_squared() < 1e-4 {
             return;

@@ -2,7 +2,7 @@
 
 use crate::chunk::{Chunk, GROUND_STEP};
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::mesh::drape::Surface;
+use crate::mesh::drape::Drape;
 use crate::terrain::TerrainSample;
 use glam::{DVec2, DVec3, IVec2};
 
@@ -34,7 +34,7 @@ fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
 }
 
 /// The chunk's ground, every square of it or coarse but for its border.
-pub(super) fn ground(chunk: &Chunk, surface: &mut Surface<'_>, coarse: bool) -> MeshBuffers {
+pub(super) fn ground(chunk: &Chunk, drape: &mut Drape<'_>, coarse: bool) -> MeshBuffers {
     let mut out = MeshBuffers::default();
     let cells = chunk.ground.cells;
     let wanted = |c: usize, r: usize| {
@@ -47,7 +47,7 @@ pub(super) fn ground(chunk: &Chunk, surface: &mut Surface<'_>, coarse: bool) -> 
             if !wanted(column, row) {
                 continue;
             }
-            let (height, gradient) = surface.corner(IVec2::new(column as i32, row as i32));
+            let (height, gradient) = drape.corner(IVec2::new(column as i32, row as i32));
             let at = DVec3::new(column as f64 * GROUND_STEP, row as f64 * GROUND_STEP, height);
             let normal = DVec3::new(-gradient.x, -gradient.y, 1.0).normalize();
             let colour = colour(chunk.ground.vertex(column, row), gradient);

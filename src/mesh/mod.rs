@@ -3,6 +3,7 @@
 //!
 //! Axes are Bevy's: x east, y up, z south, in metres from the chunk's south-west corner.
 
+mod bridges;
 mod buffers;
 mod build;
 mod buildings;

@@ -1,6 +1,6 @@
 //! Meshes of hand-made chunks on hilly ground.
 
-use crate::chunk::{Chunk, Deck, Ground};
+use crate::chunk::{Chunk, Ground};
 use crate::layer::Cancel;
 use crate::mesh::{ChunkMesh, Detail, MeshBuffers, build};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
@@ -8,6 +8,7 @@ use crate::parcel::tests::{cell, divided};
 use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
 use crate::stack::PlacedStreet;
 use crate::style::ParcelRules;
+use crate::surface::Deck;
 use crate::terrain::{Terrain, TerrainSample};
 use glam::{DVec2, Vec3};
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use crate::mesh::buffers::{MeshBuffers, Rgb};
 use crate::mesh::buildings::STOREY;
-use crate::mesh::drape::Surface;
+use crate::mesh::drape::Drape;
 use crate::space::{Bounds, point_in_polygon, stable_hash};
 use glam::DVec2;
 
@@ -42,7 +42,7 @@ pub(super) fn windows(
     out: &mut MeshBuffers,
     of: &Storeys<'_>,
     neighbours: &[(Bounds, &[DVec2])],
-    surface: &mut Surface<'_>,
+    drape: &mut Drape<'_>,
 ) {
     let n = of.plan.len();
     let door_wall = of.street.and_then(|street| {
@@ -64,7 +64,7 @@ pub(super) fn windows(
         }
         let mut pane = |out: &mut MeshBuffers, middle: DVec2, half: f64, low: f64, high: f64, colour: Rgb| {
             let (p, q) = (middle - u * half + outwards * BEFORE, middle + u * half + outwards * BEFORE);
-            if low + 0.1 > surface.height(middle + outwards * BEFORE) {
+            if low + 0.1 > drape.height(middle + outwards * BEFORE) {
                 out.face(&[p.extend(low), q.extend(low), q.extend(high), p.extend(high)], colour);
             }
         };

@@ -1,13 +1,13 @@
 //! Blocks: a cell less the full widths of its streets.
 
 use crate::network::Street;
-use crate::space::{Bounds, QUANTUM, closest_on_line, cross, left_normal, math::angle_of, signed_area};
+use crate::space::{Bounds, QUANTUM, closest_on_line, cross, left_normal, signed_area};
+use crate::surface::cover;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
-use std::collections::BTreeMap;
 
 /// Least area of a block, in square metres.
 const MIN_AREA: f64 = 150.0;
@@ -22,9 +22,6 @@ const MARGIN: f64 = 0.012;
 /// Points of a border closer than this (metres) to the line through their neighbours are dropped.
 const STRAIGHT: f64 = 0.004;
 
-/// How far consecutive pieces of a street's surface overlap, in metres: rounding must not open a slit between them.
-const LAP: f64 = 0.05;
-
 /// The border of a block, counter-clockwise, and for each of its edges the street (index) that it follows.
 pub(super) struct BlockShape {
     pub polygon: Vec<DVec2>,
@@ -38,13 +35,8 @@ pub(super) fn blocks(border: &[DVec2], streets: &[&Street]) -> Vec<BlockShape> {
         return Vec::new();
     }
     let grid = Grid { origin: bounds.centre().floor() };
-    let mut pieces: Vec<Vec<DVec2>> = Vec::new();
-    for street in streets.iter().filter(|s| !s.tunnel) {
-        surface(&street.line, street.class.half_width() + MARGIN, &mut pieces);
-    }
-    junction_wedges(streets, &mut pieces);
-    let pieces = pieces.iter().map(|p| grid.ring(p)).collect::<Vec<_>>();
-    let mut shapes = grid.overlay(&[grid.ring(border)], &pieces, OverlayRule::Difference);
+    let covered: Vec<Ring> = cover(streets, MARGIN).iter().map(|polygon| grid.ring(polygon)).collect();
+    let mut shapes = grid.overlay(&[grid.ring(border)], &covered, OverlayRule::Difference);
     let mut out = Vec::new();
     while let Some(mut shape) = shapes.pop() {
         if shape.len() > 1 {
@@ -101,95 +93,6 @@ impl Grid {
         clip.iter().for_each(|ring| overlay.add_contour(ring, ShapeType::Clip));
         overlay.overlay(rule, FillRule::NonZero)
     }
-}
-
-/// Adds counter-clockwise polygons that together hold every point within `half` metres beside a line; its ends are left
-/// to [`junction_wedges`].
-fn surface(line: &[DVec2], half: f64, pieces: &mut Vec<Vec<DVec2>>) {
-    let mut points: Vec<DVec2> = Vec::with_capacity(line.len());
-    points.extend(line.iter().enumerate().filter(|(i, p)| *i == 0 || line[i - 1] != **p).map(|(_, p)| *p));
-    let directions: Vec<DVec2> = points.windows(2).map(|w| (w[1] - w[0]).normalize_or_zero()).collect();
-    let (mut left, mut right): (Vec<DVec2>, Vec<DVec2>) = (Vec::new(), Vec::new());
-    for (i, &d) in directions.iter().enumerate() {
-        let n = left_normal(d) * half;
-        if left.is_empty() {
-            let start = points[i] - d * LAP;
-            left.push(start + n);
-            right.push(start - n);
-        }
-        if let Some(&next) = directions.get(i + 1) {
-            // A mitre, while it stays shorter than half of both segments.
-            let (turn, along) = (cross(d, next), d.dot(next));
-            let reach = half * turn.abs() / (1.0 + along);
-            let shorter = points[i].distance(points[i + 1]).min(points[i + 1].distance(points[i + 2]));
-            if along > 0.9 && reach < shorter / 2.0 {
-                let mitre = (left_normal(d) + left_normal(next)) * (half / (1.0 + along));
-                left.push(points[i + 1] + mitre);
-                right.push(points[i + 1] - mitre);
-                continue;
-            }
-            let (from, to) = if turn > 0.0 { (-d.perp(), -next.perp()) } else { (next.perp(), d.perp()) };
-            wedge(points[i + 1], from, to, half, pieces);
-        }
-        let end = points[i + 1] + d * LAP;
-        left.push(end + n);
-        right.push(end - n);
-        right.extend(left.drain(..).rev());
-        pieces.push(std::mem::take(&mut right));
-    }
-}
-
-/// Fills the gap between street sides around each junction, and rounds off dead ends by a square cap.
-fn junction_wedges(streets: &[&Street], pieces: &mut Vec<Vec<DVec2>>) {
-    let mut ends: BTreeMap<_, Vec<(f64, DVec2, DVec2, f64)>> = BTreeMap::new();
-    for street in streets.iter().filter(|s| !s.tunnel) {
-        let line = &street.line;
-        let mut end = |id, at: Option<&DVec2>, next: Option<DVec2>| {
-            if let (Some(&at), Some(next)) = (at, next) {
-                let d = (next - at).normalize_or_zero();
-                ends.entry(id).or_default().push((angle_of(d), at, d, street.class.half_width() + MARGIN));
-            }
-        };
-        end(street.from, line.first(), line.iter().copied().find(|p| Some(p) != line.first()));
-        end(street.to, line.last(), line.iter().rev().copied().find(|p| Some(p) != line.last()));
-    }
-    for spokes in ends.values_mut() {
-        spokes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.3.total_cmp(&b.3)));
-        let narrowest = spokes.iter().map(|s| s.3).fold(f64::INFINITY, f64::min);
-        for (i, a) in spokes.iter().enumerate() {
-            if a.3 > narrowest {
-                // The round end of a street that others do not cover in full.
-                let (left, ahead) = (a.2.perp(), -a.2);
-                let (slant_left, slant_right) = ((left + ahead).normalize(), (ahead - left).normalize());
-                for (from, to) in [(left, slant_left), (slant_left, ahead), (ahead, slant_right), (slant_right, -left)]
-                {
-                    wedge(a.1, from, to, a.3, pieces);
-                }
-            }
-            let b = &spokes[(i + 1) % spokes.len()];
-            let alone = spokes.len() == 1;
-            // A gap of more than half a turn to the next spoke, counter-clockwise.
-            if alone || cross(a.2, b.2) < 0.0 {
-                wedge(a.1, a.2.perp(), -b.2.perp(), a.3.max(b.3), pieces);
-            }
-        }
-    }
-}
-
-/// Adds a polygon around the sector of radius `half` at `at` from unit normal `from` counter-clockwise to `to`, at most
-/// half a turn. Its corners are sharp up to a quarter turn.
-fn wedge(at: DVec2, from: DVec2, to: DVec2, half: f64, pieces: &mut Vec<Vec<DVec2>>) {
-    let mut out = vec![at, at + from * half];
-    let mitre = |a: DVec2, b: DVec2| (a + b) * (half / (1.0 + a.dot(b)));
-    if from.dot(to) >= 0.0 {
-        out.push(at + mitre(from, to));
-    } else {
-        let middle = if from.dot(to) < -0.999_999 { from.perp() } else { (from + to).normalize() };
-        out.push(at + mitre(from, middle));
-        out.push(at + mitre(middle, to));
-    }
-    out.push(at + to * half);
-    pieces.push(out);
 }
 
 /// Starts at the corner that is first by x and y; without doubled points, spikes, and points on straight stretches.

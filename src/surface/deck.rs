@@ -2,9 +2,8 @@
 
 use crate::network::{Street, StreetId};
 use crate::region::{CLEARANCE, rise};
-use crate::space::{
-    Bounds, closest_on_segment, cut_line, left_normal, line_length, resample, segment_crossing, segments,
-};
+use crate::space::{Bounds, closest_on_segment, cut_line, left_normal, resample, segment_crossing, segments};
+use crate::surface::junction::junction_reach;
 use glam::DVec2;
 
 /// Height of a carriageway above the drawn ground at its ends, in metres.
@@ -13,24 +12,16 @@ pub const ROAD_LIFT: f64 = 0.1;
 /// Distance between the points of a deck's line, in metres.
 const DECK_STEP: f64 = 8.0;
 
-/// How far the deck of a town's bridge rises above the straight line between its ends: as a share of its length, and at most
-/// in metres.
-const HUMP: (f64, f64) = (0.03, 2.0);
+/// Height of the middle of a town's bridge above the straight line between its ends, as a share of the bridge's length.
+const HUMP_SHARE: f64 = 0.03;
 
-/// Length of a street at each of its ends, in metres, that belongs to the junction there: it lies on the ground, and a
-/// bridge's deck begins behind it.
-pub fn junction_reach(street: &Street) -> f64 {
-    let most = match street.bridge {
-        // As wide as the widest quay.
-        true if street.class.is_main() => 12.0,
-        true => 4.0,
-        false => 18.0,
-    };
-    (street.length() * 0.4).min(most)
-}
+/// The greatest such height, in metres.
+const MOST_HUMP: f64 = 2.0;
 
-/// The deck of a bridge: it runs straight from the height of one end to that of the other, in towns with a slight hump, and
-/// higher only where the ground between is, or where it passes over another street.
+/// The deck of a bridge, with its height profile.
+///
+/// A deck runs straight from the height of one end to the height of the other, in towns with a slight hump. It is higher only
+/// where the ground in between is higher, and where it passes over another street.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deck {
     /// The bridge.
@@ -41,49 +32,50 @@ pub struct Deck {
     pub heights: Vec<f64>,
     /// Half of its width in metres.
     pub half_width: f64,
-    /// Where it passes over other streets: no pier stands there.
-    pub over: Vec<DVec2>,
+    /// Points where the bridge passes over other streets: no pier stands near them.
+    pub crossings: Vec<DVec2>,
 }
 
 impl Deck {
-    /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` is the height that it
-    /// stays above at a local point: of the drawn ground or of water. `below` are the streets that it may pass over.
+    /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` is the height that the deck
+    /// stays above at a local point: that of the drawn ground or of water. `below` are the streets that the bridge may pass
+    /// over.
     pub fn new(street: &Street, below: &[Street], mut floor: impl FnMut(DVec2) -> f64) -> Self {
         let (length, end) = (street.length(), junction_reach(street));
         let line = resample(&cut_line(&street.line, end, length - end), DECK_STEP);
         let (last, half_width) = (line.len() - 1, street.class.half_width());
+        let mut along = vec![0.0];
+        for (a, b) in segments(&line) {
+            along.push(along[along.len() - 1] + a.distance(b));
+        }
+        let length = along[last].max(1e-3);
         let ends = [line[0], line[last]].map(|p| floor(p) + ROAD_LIFT);
-        let length = line_length(&line).max(1e-3);
-        let (mut along, mut heights) = (0.0, Vec::with_capacity(line.len()));
+        let straight = |share: f64| ends[0] + (ends[1] - ends[0]) * share;
+        let mut heights = Vec::with_capacity(line.len());
         for (i, &p) in line.iter().enumerate() {
-            along += if i > 0 { p.distance(line[i - 1]) } else { 0.0 };
             let way = (line[(i + 1).min(last)] - line[i.max(1) - 1]).normalize_or_zero();
             let across = left_normal(way) * half_width;
             let highest = [across, DVec2::ZERO, -across].map(|q| floor(p + q)).into_iter().fold(f64::MIN, f64::max);
-            heights.push((ends[0] + (ends[1] - ends[0]) * (along / length)).max(highest + ROAD_LIFT));
+            heights.push(straight(along[i] / length).max(highest + ROAD_LIFT));
         }
         if street.class.is_main() {
             // Quays are low: a bridge between them rises to let boats pass.
-            let (lift, mut at) = (HUMP.1.min(HUMP.0 * length), 0.0);
-            for (i, height) in heights.iter_mut().enumerate() {
-                at += if i > 0 { line[i].distance(line[i - 1]) } else { 0.0 };
+            let lift = MOST_HUMP.min(HUMP_SHARE * length);
+            for (height, at) in heights.iter_mut().zip(&along) {
                 let t = (at / length).min(1.0);
-                *height = height.max(ends[0] + (ends[1] - ends[0]) * t + 4.0 * lift * t * (1.0 - t));
+                *height = height.max(straight(t) + 4.0 * lift * t * (1.0 - t));
             }
         }
-        let over = crossings(&line, below);
-        for (at, along) in &over {
-            let straight = |at: f64| ends[0] + (ends[1] - ends[0]) * (at / length);
-            let lift = (floor(*at) + ROAD_LIFT + CLEARANCE - straight(*along)).max(0.0);
-            let mut at = 0.0;
-            for (i, height) in heights.iter_mut().enumerate() {
-                at += if i > 0 { line[i].distance(line[i - 1]) } else { 0.0 };
-                let reach = if at < *along { *along } else { length - along };
-                *height = height.max(straight(at) + lift * rise((at - along) / reach.max(1e-3)));
+        let crossings = crossings(&line, below);
+        for (point, crossing) in &crossings {
+            let lift = (floor(*point) + ROAD_LIFT + CLEARANCE - straight(crossing / length)).max(0.0);
+            for (height, at) in heights.iter_mut().zip(&along) {
+                let reach = if at < crossing { *crossing } else { length - crossing };
+                *height = height.max(straight(at / length) + lift * rise((at - crossing) / reach.max(1e-3)));
             }
         }
-        let over = over.into_iter().map(|c| c.0).collect();
-        Self { street: street.id, line, heights, half_width, over }
+        let crossings = crossings.into_iter().map(|(point, _)| point).collect();
+        Self { street: street.id, line, heights, half_width, crossings }
     }
 
     /// Height of the deck at a local point, if the point lies on it.
