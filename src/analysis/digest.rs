@@ -29,9 +29,7 @@ impl ChunkDigest {
         let mut meshes = Hash::default();
         for detail in [Detail::Full, Detail::Reduced] {
             let mesh = mesh::build(&chunk, &**world.terrain(), detail, cancel)?;
-            [&mesh.ground, &mesh.water, &mesh.roads, &mesh.buildings, &mesh.windows]
-                .into_iter()
-                .for_each(|b| meshes.buffers(b));
+            mesh.parts().for_each(|(_, buffers)| meshes.buffers(buffers));
         }
         Ok(Self(content(&chunk, meshes.finish())))
     }

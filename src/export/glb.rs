@@ -1,7 +1,7 @@
 //! Chunk meshes as one glTF 2.0 binary: a node per chunk, a primitive per material.
 
 use crate::export::ExportError;
-use crate::mesh::{ChunkMesh, MeshBuffers};
+use crate::mesh::{ChunkMesh, ChunkPart, MeshBuffers, PartMaterial};
 use crate::space::{ChunkCoord, Origin};
 use glam::{DVec2, Vec3};
 use gltf::Index;
@@ -24,19 +24,14 @@ pub struct PlacedMesh {
 /// Writes meshes as a GLB file with `centre` (plan metres) at (0, height, 0): x east, y up, z south, in metres.
 pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportError> {
     let mut file = File::default();
-    // Made when first used: readers warn of materials that nothing has.
-    let mut materials = [None; MATERIALS.len()];
+    // A material is made when it is first used: readers warn of materials without a use.
+    let mut materials = [None; ChunkPart::ALL.len()];
     for chunk in chunks {
-        let m = &chunk.mesh;
-        let of = [&m.ground, &m.water, &m.roads, &m.buildings, &m.windows];
         let mut primitives = Vec::new();
-        for (i, buffers) in of.into_iter().enumerate() {
-            // Formats and viewers alike refuse empty meshes.
-            if !buffers.indices.is_empty() {
-                let (name, roughness) = MATERIALS[i];
-                let material = *materials[i].get_or_insert_with(|| file.material(name, roughness));
-                primitives.push(file.primitive(buffers, material)?);
-            }
+        // The format and its viewers refuse empty meshes.
+        for (part, buffers) in chunk.mesh.parts().filter(|(_, buffers)| !buffers.indices.is_empty()) {
+            let material = *materials[part as usize].get_or_insert_with(|| file.material(part));
+            primitives.push(file.primitive(buffers, material)?);
         }
         if primitives.is_empty() {
             continue;
@@ -52,10 +47,6 @@ pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportErro
     file.finish()
 }
 
-/// Name and roughness, in the order of the fields of [`ChunkMesh`].
-const MATERIALS: [(&str, f32); 5] =
-    [("ground", 1.0), ("water", 0.15), ("roads", 0.95), ("buildings", 0.85), ("windows", 0.1)];
-
 #[derive(Default)]
 struct File {
     root: gltf::Root,
@@ -64,11 +55,12 @@ struct File {
 }
 
 impl File {
-    fn material(&mut self, name: &str, roughness: f32) -> Index<gltf::Material> {
-        let water = name == "water";
+    fn material(&mut self, part: ChunkPart) -> Index<gltf::Material> {
+        let PartMaterial { name, roughness, transparent, .. } = part.material();
+        let alpha_mode = if transparent { gltf::material::AlphaMode::Blend } else { Default::default() };
         self.root.push(gltf::Material {
             name: Some(name.into()),
-            alpha_mode: Checked::Valid(if water { gltf::material::AlphaMode::Blend } else { Default::default() }),
+            alpha_mode: Checked::Valid(alpha_mode),
             pbr_metallic_roughness: gltf::material::PbrMetallicRoughness {
                 metallic_factor: gltf::material::StrengthFactor(0.0),
                 roughness_factor: gltf::material::StrengthFactor(roughness),
@@ -210,7 +202,12 @@ mod tests {
 
     #[test]
     fn chunks_are_nodes_and_lengths_add_up() {
-        let mesh = |roads| ChunkMesh { ground: square(0.0), roads, ..Default::default() };
+        let mesh = |roads| {
+            let mut mesh = ChunkMesh::default();
+            mesh[ChunkPart::Ground] = square(0.0);
+            mesh[ChunkPart::Roads] = roads;
+            mesh
+        };
         let chunk = |x, mesh| {
             let coord = ChunkCoord::new(x, -1);
             PlacedMesh { coord, origin: coord.origin(512), mesh }
@@ -228,10 +225,11 @@ mod tests {
 
     #[test]
     fn buffers_that_do_not_fit_are_refused() {
-        let mut ground = square(0.0);
-        ground.indices[0] = 4;
+        let mut mesh = ChunkMesh::default();
+        mesh[ChunkPart::Ground] = square(0.0);
+        mesh[ChunkPart::Ground].indices[0] = 4;
         let coord = ChunkCoord::new(0, 0);
-        let chunk = PlacedMesh { coord, origin: coord.origin(512), mesh: ChunkMesh { ground, ..Default::default() } };
+        let chunk = PlacedMesh { coord, origin: coord.origin(512), mesh };
         assert!(write(&[chunk], DVec2::ZERO).is_err());
     }
 }

@@ -1,27 +1,33 @@
-//! Builds the meshes of a chunk.
+//! Building the meshes of a chunk.
 
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
-use crate::mesh::buffers::MeshBuffers;
+use crate::mesh::detail::Detail;
 use crate::mesh::drape::Drape;
-use crate::mesh::{ChunkMesh, Detail, bridges, buildings, ground, junctions, ribbon};
+use crate::mesh::part::{ChunkMesh, ChunkPart};
+use crate::mesh::{bridges, buildings, ground, junctions, ribbon};
 use crate::surface::JunctionShape;
 use crate::terrain::Terrain;
 
-/// The meshes of a chunk. `terrain` is the one that the chunk's ground was taken from; fails only when cancelled.
+/// Builds the meshes of a chunk. `terrain` is the terrain that the chunk's ground was sampled from.
 ///
 /// Ground vertices on the chunk's border are the same, to the bit, in the meshes of its neighbours, whatever their detail.
+///
+/// # Errors
+///
+/// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn build(chunk: &Chunk, terrain: &dyn Terrain, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
     let mut fine = Drape::new(chunk, terrain, 1);
     let full = detail == Detail::Full;
-    let ground = ground::ground(chunk, &mut fine, !full);
-    let water = ground::water(chunk);
+    let mut mesh = ChunkMesh::default();
+    mesh[ChunkPart::Ground] = ground::ground(chunk, &mut fine, !full);
+    mesh[ChunkPart::Water] = ground::water(chunk);
     cancel.check()?;
-    let mut roads = MeshBuffers::default();
+    let roads = &mut mesh[ChunkPart::Roads];
     if full {
         for (at, ends) in chunk.junctions.iter().zip(junctions::ends(chunk)) {
             if let Some(shape) = JunctionShape::new(at, &ends) {
-                junctions::junction(&mut fine, &mut roads, &shape);
+                junctions::junction(&mut fine, roads, &shape);
             }
         }
     }
@@ -29,14 +35,16 @@ pub fn build(chunk: &Chunk, terrain: &dyn Terrain, detail: Detail, cancel: &Canc
     for street in chunk.streets.iter().map(|s| &s.street).filter(|s| ribbon::is_drawn(s)) {
         let drape = coarse.as_mut().unwrap_or(&mut fine);
         if street.bridge {
-            bridges::bridge(drape, &mut roads, street);
+            bridges::bridge(drape, roads, street);
         } else if full {
-            ribbon::street(drape, &mut roads, street);
+            ribbon::street(drape, roads, street);
         } else {
-            ribbon::far_street(drape, &mut roads, street);
+            ribbon::far_street(drape, roads, street);
         }
     }
     cancel.check()?;
-    let (buildings, windows) = buildings::buildings(chunk, &mut fine, full);
-    Ok(ChunkMesh { ground, water, roads, buildings, windows })
+    let (solids, panes) = buildings::buildings(chunk, &mut fine, full);
+    mesh[ChunkPart::Buildings] = solids;
+    mesh[ChunkPart::Windows] = panes;
+    Ok(mesh)
 }

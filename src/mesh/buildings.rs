@@ -4,14 +4,26 @@ use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Drape;
 use crate::mesh::roofs::{Roof, cap, roof};
-use crate::mesh::windows::{Storeys, windows};
+use crate::mesh::windows::{Facade, windows};
 use crate::parcel::{Footprint, Lot};
 use crate::space::{Bounds, stable_hash};
 use glam::DVec2;
 
-/// Height of a storey, and what walls stand above the last one, in metres.
-pub(super) const STOREY: f64 = 3.0;
-const TOP: f64 = 0.5;
+/// Height of a storey, in metres.
+const STOREY_HEIGHT: f64 = 3.0;
+
+/// Height of the walls above the last storey, in metres.
+const PARAPET: f64 = 0.5;
+
+/// Height of the uphill ground above the downhill ground, in metres, up to which the ground floor lies at the uphill ground.
+const MOST_STEP: f64 = 2.0;
+
+/// Depth in the ground to which walls reach, in metres, near and in the distance.
+const FOOT: f64 = 0.6;
+const FAR_FOOT: f64 = 3.0;
+
+/// Height in metres that a building in the distance has in place of its pitched roof.
+const FAR_ROOF: f64 = 1.2;
 
 /// Plaster, brick and stone.
 const WALLS: [Rgb; 10] = [
@@ -39,7 +51,7 @@ const ROOFS: [Rgb; 6] = [
 
 const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
 
-/// All buildings of a chunk, and their windows; without `full` they are boxes without windows.
+/// All buildings of a chunk, and their windows. Unless `full`, buildings are boxes without windows.
 pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
     let (mut solids, mut panes) = (MeshBuffers::default(), MeshBuffers::default());
     let mut lots: Vec<&Lot> = chunk.lots.iter().collect();
@@ -55,47 +67,49 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
             let lot = lot_of(footprint);
             let floor = building(&mut solids, footprint, lot, drape, full);
             if full {
-                let of = Storeys {
+                let facade = Facade {
                     plan: &footprint.polygon,
                     floor,
-                    count: footprint.storeys,
+                    storeys: footprint.storeys,
+                    storey_height: STOREY_HEIGHT,
                     street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
                     id: footprint.id,
                 };
-                windows(&mut panes, &of, &neighbours, drape);
+                windows(&mut panes, &facade, &neighbours, drape);
             }
         }
     }
     (solids, panes)
 }
 
-/// Adds a building and returns the height of its ground floor.
-fn building(out: &mut MeshBuffers, of: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) -> f64 {
-    let plan = &of.polygon;
+/// Adds a building and returns the height of its ground floor, in metres.
+fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) -> f64 {
+    let plan = &footprint.polygon;
     let grounds = plan.iter().map(|p| drape.height(*p));
     let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
     // The ground floor is entered from the uphill side, unless that would bury it.
-    let floor = high.min(low + 2.0);
-    let base = low - if full { 0.6 } else { 3.0 };
-    let eaves = floor + f64::from(of.storeys) * STOREY + TOP;
-    let pick = |salt: u64, n: usize| (stable_hash(&[of.id, salt]) % n as u64) as usize;
-    // Neighbours of a block share a taste.
-    let block = lot.map_or(of.id, |l| l.block);
-    let taste = (stable_hash(&[block, 7]) % WALLS.len() as u64) as usize;
-    let wall = WALLS[if pick(1, 3) == 0 { pick(2, WALLS.len()) } else { (taste + pick(3, 3)) % WALLS.len() }];
+    let floor = high.min(low + MOST_STEP);
+    let base = low - if full { FOOT } else { FAR_FOOT };
+    let eaves = floor + f64::from(footprint.storeys) * STOREY_HEIGHT + PARAPET;
+    let pick = |salt: u64, n: usize| (stable_hash(&[footprint.id, salt]) % n as u64) as usize;
+    // The buildings of a block have similar colours.
+    let block = lot.map_or(footprint.id, |l| l.block);
+    let shared = (stable_hash(&[block, 7]) % WALLS.len() as u64) as usize;
+    let wall = WALLS[if pick(1, 3) == 0 { pick(2, WALLS.len()) } else { (shared + pick(3, 3)) % WALLS.len() }];
     let wall = blend(wall, [0.5; 3], pick(4, 20) as f32 / 100.0);
     let tiles = ROOFS[(stable_hash(&[block, 8]) as usize % 3 * 2 + pick(5, 2)) % ROOFS.len()];
 
-    let shape = roof(plan, of.storeys, lot.map(|l| &l.polygon[..2]), of.id);
+    let shape = roof(plan, footprint.storeys, lot.map(|l| &l.polygon[..2]), footprint.id);
     let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
-    // A box keeps the colour of its roof and some of its height.
-    let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + 1.2) };
+    // A box in the distance keeps the colour of the roof and some of its height.
+    let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + FAR_ROOF) };
     walls(out, plan, base, eaves, wall);
     shape.build(out, plan, eaves, colour, wall);
     cap(out, plan, base, false, wall);
     floor
 }
 
+/// The walls of a building from height `low` to `high`.
 fn walls(out: &mut MeshBuffers, plan: &[DVec2], low: f64, high: f64, colour: Rgb) {
     for (i, &a) in plan.iter().enumerate() {
         let b = plan[(i + 1) % plan.len()];

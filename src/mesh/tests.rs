@@ -2,7 +2,7 @@
 
 use crate::chunk::{Chunk, Ground};
 use crate::layer::Cancel;
-use crate::mesh::{ChunkMesh, Detail, MeshBuffers, build};
+use crate::mesh::{ChunkMesh, ChunkPart, Detail, MeshBuffers, build};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::tests::{cell, divided};
 use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
@@ -100,18 +100,12 @@ fn meshes_are_sound_and_buildings_closed() {
         for detail in [Detail::Full, Detail::Reduced] {
             let mesh = meshes(&chunk, detail);
             assert_eq!(mesh, meshes(&chunk, detail));
-            for (part, what) in [
-                (&mesh.ground, "ground"),
-                (&mesh.water, "water"),
-                (&mesh.roads, "roads"),
-                (&mesh.buildings, "buildings"),
-            ] {
-                assert!(!part.indices.is_empty(), "{what}");
-                check(part, what);
+            for (part, buffers) in mesh.parts() {
+                let empty = part == ChunkPart::Windows && detail == Detail::Reduced;
+                assert_eq!(buffers.indices.is_empty(), empty, "{part:?}");
+                check(buffers, part.material().name);
             }
-            check(&mesh.windows, "windows");
-            assert_eq!(mesh.windows.indices.is_empty(), detail == Detail::Reduced);
-            check_closed(&mesh.buildings);
+            check_closed(&mesh[ChunkPart::Buildings]);
         }
     }
     assert!(built > 400, "{built}");
@@ -121,11 +115,12 @@ fn meshes_are_sound_and_buildings_closed() {
 fn streets_are_covered_once_and_kerbs_never_cross_them() {
     for seed in 0..4 {
         let chunk = town(seed + 20, 80.0 + 10.0 * seed as f64, &ParcelRules::default());
-        let roads = meshes(&chunk, Detail::Full).roads;
+        let mesh = meshes(&chunk, Detail::Full);
+        let roads = &mesh[ChunkPart::Roads];
         // Triangles that face up, by 16 m squares of the plan.
         let mut near: BTreeMap<(i32, i32), Vec<[DVec2; 3]>> = BTreeMap::new();
         let mut heights = Vec::new();
-        for t in corners(&roads) {
+        for t in corners(roads) {
             let plan = t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z)));
             if signed_area(&plan) < 1e-6 {
                 continue;
@@ -171,7 +166,8 @@ fn streets_are_covered_once_and_kerbs_never_cross_them() {
 fn neighbouring_ground_meets_to_the_bit_at_any_detail() {
     let border = |mesh: &ChunkMesh, x: f32, shift: f32| {
         let on = |(p, n): (&[f32; 3], &[f32; 3])| (p[0] == x).then_some(([p[0] - shift, p[1], p[2]], *n));
-        let mut points: Vec<_> = mesh.ground.positions.iter().zip(&mesh.ground.normals).filter_map(on).collect();
+        let ground = &mesh[ChunkPart::Ground];
+        let mut points: Vec<_> = ground.positions.iter().zip(&ground.normals).filter_map(on).collect();
         points.sort_by(|a, b| a.0[2].total_cmp(&b.0[2]));
         points
     };
@@ -182,9 +178,10 @@ fn neighbouring_ground_meets_to_the_bit_at_any_detail() {
         assert_eq!(west_side, border(&meshes(&east, b), 0.0, 0.0));
     }
     for detail in [Detail::Full, Detail::Reduced] {
-        let ground = meshes(&east, detail).ground;
-        let area: f64 =
-            corners(&ground).map(|t| signed_area(&t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z))))).sum();
+        let mesh = meshes(&east, detail);
+        let area: f64 = corners(&mesh[ChunkPart::Ground])
+            .map(|t| signed_area(&t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z)))))
+            .sum();
         assert!((area - 512.0 * 512.0).abs() < 1e-3, "the square is covered once");
     }
 }
@@ -198,9 +195,8 @@ fn an_empty_chunk_has_ground_alone() {
         }
     }
     let mesh = build(&empty(ChunkCoord::new(0, 0), &Plain), &Plain, Detail::Full, &Cancel::new()).unwrap();
-    assert_eq!(mesh.ground.indices.len(), 64 * 64 * 6);
-    for part in [mesh.water, mesh.roads, mesh.buildings, mesh.windows] {
-        assert_eq!(part, MeshBuffers::default());
+    for (part, buffers) in mesh.parts() {
+        assert_eq!(buffers.indices.len(), if part == ChunkPart::Ground { 64 * 64 * 6 } else { 0 });
     }
 }
 
@@ -225,8 +221,9 @@ fn bridges_span_and_long_roads_leave_the_square() {
     chunk.junctions = junctions;
     for detail in [Detail::Full, Detail::Reduced] {
         let mesh = meshes(&chunk, detail);
-        check(&mesh.roads, "bridge");
-        let reach = mesh.roads.positions.iter().map(|p| p[0]).fold(0.0, f32::max);
+        let roads = &mesh[ChunkPart::Roads];
+        check(roads, "bridge");
+        let reach = roads.positions.iter().map(|p| p[0]).fold(0.0, f32::max);
         assert!(reach > 1300.0, "{reach}");
     }
     let cancel = Cancel::new();
@@ -237,14 +234,15 @@ fn bridges_span_and_long_roads_leave_the_square() {
 #[test]
 fn kerbs_face_the_carriageway_and_outer_sides_face_away() {
     let chunk = town(31, 90.0, &ParcelRules::default());
-    let roads = meshes(&chunk, Detail::Full).roads;
+    let mesh = meshes(&chunk, Detail::Full);
+    let roads = &mesh[ChunkPart::Roads];
     let streets: Vec<&Street> = chunk.streets.iter().map(|s| &s.street).collect();
     // How far a point of the plan is outside the street that covers it best.
     let outside = |p: DVec2, width: fn(&Street) -> f64| {
         streets.iter().map(|s| distance_to_line(p, &s.line) - width(s)).fold(f64::INFINITY, f64::min)
     };
     let (mut walls, mut wrong) = (0, 0);
-    for (t, index) in corners(&roads).zip(roads.indices.chunks(3)) {
+    for (t, index) in corners(roads).zip(roads.indices.chunks(3)) {
         let normal = Vec3::from(roads.normals[index[0] as usize]);
         if normal.y.abs() > 0.1 {
             continue;

@@ -11,14 +11,14 @@ const TOUCH: f64 = 0.01;
 
 /// The half-plane to the left of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Half {
+pub(super) struct HalfPlane {
     /// A point of the line.
     pub at: DVec2,
     /// Unit normal, into the half-plane.
     pub normal: DVec2,
 }
 
-impl Half {
+impl HalfPlane {
     /// The side to the left of the line from `a` to `b`, which differ.
     pub fn left_of(a: DVec2, b: DVec2) -> Self {
         Self { at: a, normal: left_normal((b - a).normalize_or_zero()) }
@@ -41,7 +41,7 @@ impl Half {
 }
 
 /// Cuts `polygon` (convex, counter-clockwise) to the part inside `half`; empty when nothing is left.
-pub(super) fn clip(polygon: &[DVec2], half: Half) -> Vec<DVec2> {
+pub(super) fn clip(polygon: &[DVec2], half: HalfPlane) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(polygon.len() + 1);
     let mut push = |p: DVec2| {
         if out.last().is_none_or(|l| l.distance_squared(p) > SAME_POINT * SAME_POINT) {
@@ -68,8 +68,8 @@ pub(super) fn clip(polygon: &[DVec2], half: Half) -> Vec<DVec2> {
 }
 
 /// Edges of a polygon as half-planes that hold it.
-pub(super) fn sides(polygon: &[DVec2]) -> impl Iterator<Item = Half> + '_ {
-    (0..polygon.len()).map(|i| Half::left_of(polygon[i], polygon[(i + 1) % polygon.len()]))
+pub(super) fn sides(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
+    (0..polygon.len()).map(|i| HalfPlane::left_of(polygon[i], polygon[(i + 1) % polygon.len()]))
 }
 
 /// Whether two convex polygons share more than their borders.
@@ -113,7 +113,7 @@ pub(super) fn chord(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
 }
 
 /// A convex polygon less the quadrant `a` and `b` both hold: an L, when the quadrant's corner lies inside. `None` otherwise.
-pub(super) fn without_quadrant(polygon: &[DVec2], a: Half, b: Half) -> Option<Vec<DVec2>> {
+pub(super) fn without_quadrant(polygon: &[DVec2], a: HalfPlane, b: HalfPlane) -> Option<Vec<DVec2>> {
     let det = cross(a.normal, b.normal);
     if det.abs() < 0.3 {
         return None;
@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     fn clipping_and_overlap() {
-        let half = clip(&square(), Half { at: DVec2::new(4.0, 0.0), normal: DVec2::X });
+        let half = clip(&square(), HalfPlane { at: DVec2::new(4.0, 0.0), normal: DVec2::X });
         assert_eq!(signed_area(&half), 60.0);
-        assert!(clip(&square(), Half { at: DVec2::new(11.0, 0.0), normal: DVec2::X }).is_empty());
+        assert!(clip(&square(), HalfPlane { at: DVec2::new(11.0, 0.0), normal: DVec2::X }).is_empty());
         let other: Vec<_> = square().iter().map(|p| *p + DVec2::X * 10.0).collect();
         assert!(!overlap(&square(), &other) && overlap(&half, &square()));
         assert!(segment_inside(&square(), DVec2::new(-5., 5.), DVec2::new(5., 5.)).is_some());
@@ -169,7 +169,7 @@ mod tests {
     fn a_square_without_a_quadrant_is_an_l() {
         let quadrant = |x, y| {
             let at = DVec2::new(6.0, 6.0);
-            without_quadrant(&square(), Half { at, normal: DVec2::X * x }, Half { at, normal: DVec2::Y * y })
+            without_quadrant(&square(), HalfPlane { at, normal: DVec2::X * x }, HalfPlane { at, normal: DVec2::Y * y })
         };
         for (x, y, area) in [(1., 1., 84.), (-1., 1., 76.), (1., -1., 76.), (-1., -1., 64.)] {
             let l = quadrant(x, y).unwrap();

@@ -1,22 +1,27 @@
-//! Divides a main cell: blocks, their use, lots and footprints.
+//! Dividing a main cell into blocks, lots and footprints.
 
 use crate::layer::{Cancel, LayerError};
 use crate::parcel::blocks::{BlockShape, blocks};
+use crate::parcel::brief::ParcelBrief;
 use crate::parcel::footprints::{footprint, storeys};
+use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot};
 use crate::parcel::lots::lots;
-use crate::parcel::{Block, BlockUse, CellParcels, Footprint, Lot, ParcelBrief};
 use crate::space::{QUANTUM, quantize, stable_hash};
 use glam::DVec2;
 
-/// Length of a park's border without a street, in metres: corners of streets of different widths leave a little.
+/// Greatest length of a park's border without a street, in metres: corners of streets of different widths leave a little.
 const MOST_OPEN: f64 = 12.0;
 
-/// Divides a main cell into blocks, lots and footprints; fails only when cancelled.
+/// Divides a main cell into blocks, lots and footprints.
 ///
-/// Blocks are what the full widths of the streets leave of the cell; pieces too small or thin to use are left out. Lots
-/// are strips along the streets cut across, in the spirit of the skeleton subdivision of Vanegas et al. 2012
-/// ("Procedural generation of parcels in urban modeling", section 4): each has a frontage, those of a block are disjoint,
-/// and what lies too deep inside a block belongs to none. A built block that has no room for a lot is a park.
+/// Blocks are what the surface of the streets leaves of the cell, without pieces that are too small or thin to use. Lots are
+/// strips along the streets, cut across, in the spirit of the skeleton subdivision of Vanegas et al. 2012 ("Procedural
+/// generation of parcels in urban modeling", section 4): each lot has a frontage, the lots of a block are disjoint, and land
+/// too deep inside a block belongs to no lot. A built block without room for a lot is a park.
+///
+/// # Errors
+///
+/// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, LayerError> {
     let mut out = CellParcels::default();
     let shapes = blocks(brief.border, brief.streets);
@@ -47,7 +52,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
     Ok(out)
 }
 
-/// Whether there are streets on all sides of a block, as there are of a park: elsewhere the town ends.
+/// Whether there are streets on all sides of a block. A park has them; elsewhere the town ends.
 fn is_enclosed(shape: &BlockShape) -> bool {
     let n = shape.polygon.len();
     let edge = |i: usize| shape.polygon[i].distance(shape.polygon[(i + 1) % n]);

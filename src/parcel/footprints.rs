@@ -1,6 +1,6 @@
 //! Footprints: where a building stands on its lot, and how high it is.
 
-use crate::parcel::convex::{Half, chord, clip, sides, without_quadrant};
+use crate::parcel::convex::{HalfPlane, chord, clip, sides, without_quadrant};
 use crate::parcel::lots::LotShape;
 use crate::space::{Bounds, Stream, quantize, signed_area};
 use crate::style::ParcelRules;
@@ -45,11 +45,11 @@ pub(super) fn footprint(lot: &LotShape, rules: &ParcelRules, rng: &mut Stream) -
 }
 
 /// A building from side to side of the lot, along both streets at a corner; elsewhere a share of `wings` has one behind it.
-fn row_house(room: &[DVec2], front: Half, lot: &LotShape, depth: f64, wings: f64, rng: &mut Stream) -> Vec<DVec2> {
+fn row_house(room: &[DVec2], front: HalfPlane, lot: &LotShape, depth: f64, wings: f64, rng: &mut Stream) -> Vec<DVec2> {
     let back = front.moved(depth);
     if let Some(i) = lot.corner {
-        let beside = Half::left_of(lot.polygon[i], lot.polygon[(i + 1) % lot.polygon.len()]).moved(depth);
-        if let Some(plan) = without_quadrant(room, back, beside) {
+        let yard = HalfPlane::left_of(lot.polygon[i], lot.polygon[(i + 1) % lot.polygon.len()]).moved(depth);
+        if let Some(plan) = without_quadrant(room, back, yard) {
             return plan;
         }
         // Too small for a yard inside the corner.
@@ -63,7 +63,7 @@ fn row_house(room: &[DVec2], front: Half, lot: &LotShape, depth: f64, wings: f64
 }
 
 /// A row house with a wing along one side of its yard, as far back as it likes; `None` where the yard is too small.
-fn with_wing(room: &[DVec2], front: Half, depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
+fn with_wing(room: &[DVec2], front: HalfPlane, depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
     let u = -front.normal.perp();
     let deep = room.iter().map(|p| front.depth(*p)).fold(0.0, f64::max) - YARD;
     let across = room.iter().map(|p| (*p - front.at).dot(u));
@@ -73,12 +73,12 @@ fn with_wing(room: &[DVec2], front: Half, depth: f64, rng: &mut Stream) -> Optio
     if width < WING || reach < depth + WING {
         return None;
     }
-    let beside = if rng.chance(0.5) {
-        Half { at: front.at + u * (left + width), normal: u }
+    let yard = if rng.chance(0.5) {
+        HalfPlane { at: front.at + u * (left + width), normal: u }
     } else {
-        Half { at: front.at + u * (right - width), normal: -u }
+        HalfPlane { at: front.at + u * (right - width), normal: -u }
     };
-    without_quadrant(&clip(room, front.moved(reach).flipped()), front.moved(depth), beside)
+    without_quadrant(&clip(room, front.moved(reach).flipped()), front.moved(depth), yard)
 }
 
 /// A free-standing house: a rectangle, sometimes an L. `room` has its x axis along the front, y into the lot.

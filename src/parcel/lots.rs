@@ -1,23 +1,22 @@
 //! Lots: strips along the streets of a block, cut across into parcels that each front a street.
 //!
-//! Runs of border edges along streets take turns, the longest first. A run is cut into frontages, and each frontage
-//! takes the land behind it: to the middle of the block or the greatest depth, whichever is nearer, up to the block's
-//! border and up to the lots that are there. What nobody takes stays a courtyard.
+//! The runs of the block's border take turns, the longest first. A run is cut into frontages, and each frontage takes the land
+//! behind it: as far as the middle of the block or the greatest depth, whichever is nearer, up to the block's border and up to
+//! earlier lots. Land that no frontage takes stays a courtyard.
 
 use crate::parcel::blocks::BlockShape;
-use crate::parcel::convex::{Half, clip, overlap, segment_inside, sides};
+use crate::parcel::convex::{HalfPlane, clip, overlap, segment_inside, sides};
+use crate::parcel::runs::{CORNER, Run, runs};
 use crate::space::{Bounds, Stream, closest_on_line, cross, left_normal, point_at, signed_area};
 use crate::style::ParcelRules;
 use glam::DVec2;
 
-/// Cosine of the turn at which the border's next run begins (30 degrees).
-const CORNER: f64 = 0.866;
-
-/// Distance (metres) that a frontage may cut off from a bend of the border; at sharper bends the lots part.
+/// Greatest distance between a frontage and the bend of the border that it cuts off, in metres. At sharper bends the lots
+/// part.
 const SAGITTA: f64 = 1.5;
 
-/// A lot with two corners within this distance (metres) of a run takes the run's stretch between them.
-const BESIDE: f64 = 3.0;
+/// Distance from a run, in metres, within which the corners of a lot take the run's stretch between them.
+const ON_RUN: f64 = 3.0;
 
 /// A lot: a convex polygon, its first edge the frontage.
 pub(super) struct LotShape {
@@ -26,61 +25,15 @@ pub(super) struct LotShape {
     pub street: usize,
     /// Index of another edge that lies on a street.
     pub corner: Option<usize>,
-}
-
-/// A run of border edges along streets without a corner.
-struct Run {
-    line: Vec<DVec2>,
-    /// Metres along the line, for each of its points.
-    along: Vec<f64>,
-    /// Street of each of its edges.
-    streets: Vec<usize>,
-    /// Directions of the border edges before and after it; zero for the run that is the whole border.
-    before: DVec2,
-    after: DVec2,
-}
-
-impl Run {
-    fn length(&self) -> f64 {
-        self.along[self.along.len() - 1]
-    }
-
-    fn street_at(&self, s: f64) -> usize {
-        let edge = self.along.partition_point(|a| *a <= s).clamp(1, self.streets.len());
-        self.streets[edge - 1]
-    }
-
-    /// Direction into the block of the side that parts lots at `s` metres; `open` at an end of the run that no lot has
-    /// taken yet.
-    fn ray(&self, s: f64, open: bool) -> DVec2 {
-        let chord = point_at(&self.line, s + 5.0).0 - point_at(&self.line, s - 5.0).0;
-        let normal = left_normal(chord.normalize_or_zero());
-        let (first, last) = (s <= 0.01, s >= self.length() - 0.01);
-        if !open || self.before == DVec2::ZERO || !(first || last) {
-            return normal;
-        }
-        // The other run's side of the corner, as a direction away from the corner.
-        let own = point_at(&self.line, s).1;
-        let (own, other) = if first { (own, -self.before) } else { (-own, self.after) };
-        let normal = left_normal(point_at(&self.line, s).1);
-        let convex = other.dot(normal) > 0.0;
-        let between = own.dot(other);
-        if convex && between > -0.57 {
-            // Up to 125 degrees the corner belongs to the run that comes first.
-            if between > 0.0 { normal } else { other }
-        } else {
-            // Both runs get their half of the corner.
-            let half = (own + other).normalize_or_zero() * if convex { 1.0 } else { -1.0 };
-            if half == DVec2::ZERO { normal } else { half }
-        }
-    }
+    /// Box around the polygon.
+    bounds: Bounds,
 }
 
 /// Cuts a block into lots.
 pub(super) fn lots(block: &BlockShape, rules: &ParcelRules, rng: &mut Stream) -> Vec<LotShape> {
     let mut runs = runs(block);
     runs.sort_by(|a, b| b.length().total_cmp(&a.length()).then(a.line[0].x.total_cmp(&b.line[0].x)));
-    let mut cutter = Cutter { block, rules, lots: Vec::new() };
+    let mut cutter = Cutter { block, sides: sides(&block.polygon).collect(), rules, lots: Vec::new() };
     for run in &runs {
         let depth = cutter.depth(run);
         for (from, to) in cutter.free(run) {
@@ -93,40 +46,7 @@ pub(super) fn lots(block: &BlockShape, rules: &ParcelRules, rng: &mut Stream) ->
     cutter.lots
 }
 
-/// The border's runs along streets.
-fn runs(block: &BlockShape) -> Vec<Run> {
-    let (points, fronts) = (&block.polygon, &block.fronts);
-    let n = points.len();
-    let direction = |i: usize| (points[(i + 1) % n] - points[i % n]).normalize_or_zero();
-    let breaks = |i: usize| {
-        let before = (i + n - 1) % n;
-        direction(before).dot(direction(i)) < CORNER || fronts[before].is_none() || fronts[i].is_none()
-    };
-    let starts: Vec<usize> = (0..n).filter(|i| breaks(*i)).collect();
-    let whole = starts.is_empty();
-    let starts = if whole { vec![0] } else { starts };
-    let mut out = Vec::new();
-    for (k, &start) in starts.iter().enumerate() {
-        let next = starts[(k + 1) % starts.len()];
-        let count = if next > start { next - start } else { next + n - start };
-        if fronts[start].is_none() {
-            continue;
-        }
-        let line: Vec<DVec2> = (start..=start + count).map(|i| points[i % n]).collect();
-        let mut along = vec![0.0];
-        line.windows(2).for_each(|w| along.push(along[along.len() - 1] + w[0].distance(w[1])));
-        out.push(Run {
-            line,
-            along,
-            streets: (start..start + count).filter_map(|i| fronts[i % n]).collect(),
-            before: if whole { DVec2::ZERO } else { direction(start + n - 1) },
-            after: if whole { DVec2::ZERO } else { direction(start + count) },
-        });
-    }
-    out
-}
-
-/// Where the stretch from `from` to `to` of a run is cut: at sharp bends, and between them at random widths.
+/// Where the stretch from `from` to `to` metres of a run is cut: at sharp bends, and at random widths between them.
 fn frontages(run: &Run, from: f64, to: f64, rules: &ParcelRules, rng: &mut Stream) -> Vec<f64> {
     let (least, most) = rules.lot_width;
     let mut ends = vec![from];
@@ -149,7 +69,7 @@ fn frontages(run: &Run, from: f64, to: f64, rules: &ParcelRules, rng: &mut Strea
             widths.push(width);
             sum += width;
         }
-        // The last one may be one too many to leave each its least width.
+        // The last lot may be one too many to leave each lot its least width.
         if widths.len() > 1 && length / (widths.len() as f64) < least.max(0.6 * (least + most) / 2.0) {
             sum -= widths.pop().unwrap_or_default();
         }
@@ -162,14 +82,17 @@ fn frontages(run: &Run, from: f64, to: f64, rules: &ParcelRules, rng: &mut Strea
     cuts
 }
 
+/// Cuts a block; holds the lots so far.
 struct Cutter<'a> {
     block: &'a BlockShape,
+    /// The half-planes inside the edges of the block.
+    sides: Vec<HalfPlane>,
     rules: &'a ParcelRules,
     lots: Vec<LotShape>,
 }
 
 impl Cutter<'_> {
-    /// Depth of a run's lots: the greatest, or less where that leaves the runs beside it room for a lot.
+    /// Depth of a run's lots in metres: the greatest depth that the rules allow, or less where this leaves room for a lot behind.
     fn depth(&self, run: &Run) -> f64 {
         let (depth, spare) = (self.rules.lot_depth, self.rules.lot_width.0 * 0.5 + 0.5);
         let (at, direction) = point_at(&run.line, run.length() / 2.0);
@@ -195,13 +118,14 @@ impl Cutter<'_> {
         best
     }
 
-    /// Stretches of a run that no lot lies at.
+    /// The stretches of a run at which no lot lies, from and to in metres along the run.
     fn free(&self, run: &Run) -> Vec<(f64, f64)> {
+        let near = Bounds::of(run.line.iter().copied()).grown(ON_RUN);
         let mut taken: Vec<(f64, f64)> = Vec::new();
-        for lot in &self.lots {
+        for lot in self.lots.iter().filter(|lot| lot.bounds.overlaps(near)) {
             let touching = lot.polygon.iter().filter_map(|p| {
                 let (along, at) = closest_on_line(*p, &run.line);
-                (at.distance_squared(*p) < BESIDE * BESIDE).then_some(along)
+                (at.distance_squared(*p) < ON_RUN * ON_RUN).then_some(along)
             });
             let (low, high) = touching.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
             if low < high {
@@ -220,11 +144,12 @@ impl Cutter<'_> {
         out
     }
 
-    /// Adds the lot between `from` and `to` metres along a run if enough of it is left. `free` is the stretch it is on.
+    /// Adds the lot between `from` and `to` metres along a run, if enough of it is left. `free` is the free stretch of the run
+    /// around it, and `depth` the depth of the run's lots in metres.
     fn lot(&mut self, run: &Run, from: f64, to: f64, free: (f64, f64), depth: f64) {
         let (a, b) = (point_at(&run.line, from).0, point_at(&run.line, to).0);
         let u = (b - a).normalize_or_zero();
-        let front = Half { at: a, normal: left_normal(u) };
+        let front = HalfPlane { at: a, normal: left_normal(u) };
         let bend = |s: f64, p: DVec2| if s > from && s < to { front.depth(p) } else { 0.0 };
         // Where the border bends into the lot, the frontage keeps clear of it.
         let inset = run.along.iter().zip(&run.line).map(|(s, p)| bend(*s, *p)).fold(0.0, f64::max);
@@ -236,35 +161,37 @@ impl Cutter<'_> {
             front.at + (b - a) + reach + n * (depth - inset),
             front.at - reach + n * (depth - inset),
         ];
-        let first = Half { at: a, normal: -run.ray(from, from == free.0 && from <= 0.01).perp() };
-        let last = Half { at: b, normal: run.ray(to, to == free.1 && to >= run.length() - 0.01).perp() };
+        let first = HalfPlane { at: a, normal: -run.ray(from, from == free.0 && from <= 0.01).perp() };
+        let last = HalfPlane { at: b, normal: run.ray(to, to == free.1 && to >= run.length() - 0.01).perp() };
         lot = clip(&clip(&lot, first), last);
         if lot.is_empty() {
             return;
         }
         self.share(&mut lot, front, depth);
+        let mut bounds = Bounds::of(lot.iter().copied());
         let points = &self.block.polygon;
         for (i, &p) in points.iter().enumerate() {
             let q = points[(i + 1) % points.len()];
-            let bounds = Bounds::of(lot.iter().copied());
             if !bounds.overlaps(Bounds::of([p, q])) {
                 continue;
             }
             if let Some((p, q)) = segment_inside(&lot, p, q) {
                 let near = if front.depth(p) < front.depth(q) { p } else { q };
-                lot = best(&lot, front, [Half::left_of(p, q), Half { at: near, normal: -front.normal }]);
+                lot = best(&lot, front, [HalfPlane::left_of(p, q), HalfPlane { at: near, normal: -front.normal }]);
+                bounds = Bounds::of(lot.iter().copied());
             }
         }
         for other in &self.lots {
-            if overlap(&lot, &other.polygon) {
-                lot = best(&lot, front, sides(&other.polygon).map(Half::flipped));
+            if bounds.overlaps(other.bounds) && overlap(&lot, &other.polygon) {
+                lot = best(&lot, front, sides(&other.polygon).map(HalfPlane::flipped));
+                bounds = Bounds::of(lot.iter().copied());
             }
         }
         self.accept(lot, front, run.street_at((from + to) / 2.0));
     }
 
-    /// Leaves the land beyond the middle to the streets that a lot faces across the block, where it is deep enough for two.
-    fn share(&self, lot: &mut Vec<DVec2>, front: Half, depth: f64) {
+    /// Cuts a lot off halfway to the streets on the other side of the block, where the block is deep enough for two lots.
+    fn share(&self, lot: &mut Vec<DVec2>, front: HalfPlane, depth: f64) {
         let least = (self.rules.lot_depth * 0.35).clamp(8.0, 20.0);
         let u = -front.normal.perp();
         let span =
@@ -275,7 +202,7 @@ impl Cutter<'_> {
         let points = &self.block.polygon;
         for (i, &a) in points.iter().enumerate() {
             let b = points[(i + 1) % points.len()];
-            let side = Half::left_of(a, b);
+            let side = self.sides[i];
             let facing = side.normal.dot(front.normal) < -0.6;
             if !facing || self.block.fronts[i].is_none() {
                 continue;
@@ -292,11 +219,11 @@ impl Cutter<'_> {
             if near < 0.1 || near > 2.0 * depth || far < 2.0 * least {
                 continue;
             }
-            // Nearer to the front than to the edge.
+            // The half-plane of points that are nearer to the front than to the edge.
             let normal = side.normal - front.normal;
             let length = normal.length();
             let offset = side.at.dot(side.normal) - front.at.dot(front.normal);
-            let half = Half { at: normal * (offset / (length * length)), normal: normal / length };
+            let half = HalfPlane { at: normal * (offset / (length * length)), normal: normal / length };
             let cut = clip(lot, half);
             if !cut.is_empty() && frontage(&cut, front).is_some() {
                 *lot = cut;
@@ -305,7 +232,7 @@ impl Cutter<'_> {
     }
 
     /// Keeps a lot if it is large enough.
-    fn accept(&mut self, mut lot: Vec<DVec2>, front: Half, street: usize) {
+    fn accept(&mut self, mut lot: Vec<DVec2>, front: HalfPlane, street: usize) {
         let Some((edge, width)) = frontage(&lot, front) else { return };
         let area = signed_area(&lot);
         if width < self.rules.lot_width.0 * 0.55 || area < self.rules.min_area || area < width * 5.0 {
@@ -317,23 +244,23 @@ impl Cutter<'_> {
             let (a, b) = (lot[*i], lot[(i + 1) % lot.len()]);
             let middle = (a + b) / 2.0;
             a.distance_squared(b) > 16.0
-                && (0..block.polygon.len()).any(|j| {
+                && self.sides.iter().enumerate().any(|(j, side)| {
                     let (p, q) = (block.polygon[j], block.polygon[(j + 1) % block.polygon.len()]);
-                    let side = Half::left_of(p, q);
-                    let along = (middle - p).dot(q - p) / p.distance_squared(q);
+                    let along = || (middle - p).dot(q - p) / p.distance_squared(q);
                     block.fronts[j].is_some()
-                        && side.depth(middle).abs() < BESIDE / 2.0
-                        && (0.0..=1.0).contains(&along)
+                        && side.depth(middle).abs() < ON_RUN / 2.0
+                        && (0.0..=1.0).contains(&along())
                         && side.normal.dot(front.normal) < CORNER
                 })
         };
         let corner = (1..lot.len()).find(on_border);
-        self.lots.push(LotShape { polygon: lot, street, corner });
+        let bounds = Bounds::of(lot.iter().copied());
+        self.lots.push(LotShape { polygon: lot, street, corner, bounds });
     }
 }
 
 /// Index and length of the edge of a lot that lies on its front.
-fn frontage(lot: &[DVec2], front: Half) -> Option<(usize, f64)> {
+fn frontage(lot: &[DVec2], front: HalfPlane) -> Option<(usize, f64)> {
     let on = |p: DVec2| front.depth(p).abs() < 0.01;
     (0..lot.len())
         .map(|i| (i, lot[i], lot[(i + 1) % lot.len()]))
@@ -342,8 +269,8 @@ fn frontage(lot: &[DVec2], front: Half) -> Option<(usize, f64)> {
         .max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0)))
 }
 
-/// The largest part of a lot that one of `halves` leaves, a part without frontage counting for nothing.
-fn best(lot: &[DVec2], front: Half, halves: impl IntoIterator<Item = Half>) -> Vec<DVec2> {
+/// The largest part of a lot that one of `halves` leaves and that still has a frontage; empty if there is none.
+fn best(lot: &[DVec2], front: HalfPlane, halves: impl IntoIterator<Item = HalfPlane>) -> Vec<DVec2> {
     let mut best = (0.0, Vec::new());
     for half in halves {
         let part = clip(lot, half);

@@ -1,57 +1,26 @@
 //! Meshes and materials of chunks.
-//!
-//! Everything that differs between the parts of a chunk stands here, in the methods of [`ChunkPart`].
 
-use crate::mesh::{ChunkMesh, MeshBuffers};
+use crate::mesh::{ChunkMesh, MeshBuffers, PartMaterial};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
+use bevy::ecs::component::{Mutable, StorageType};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use std::ops::{Index, IndexMut};
 
-/// What a child of a chunk's entity shows.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Reflect)]
-#[reflect(Component, Debug, PartialEq, Hash, Clone)]
-pub enum ChunkPart {
-    /// The ground.
-    Ground,
-    /// The surface of the sea, lakes and rivers.
-    Water,
-    /// Streets and junctions.
-    Roads,
-    /// Buildings.
-    Buildings,
-    /// Windows and doors.
-    Windows,
+pub use crate::mesh::ChunkPart;
+
+/// On the children of a chunk's entity: the part of the chunk that the child shows.
+impl Component for ChunkPart {
+    const STORAGE_TYPE: StorageType = StorageType::Table;
+    type Mutability = Mutable;
 }
 
-impl ChunkPart {
-    /// All parts, in the order of their values.
-    pub const ALL: [Self; 5] = [Self::Ground, Self::Water, Self::Roads, Self::Buildings, Self::Windows];
-
-    /// Takes the buffers of this part out of a mesh.
-    fn take_buffers(self, mesh: &mut ChunkMesh) -> MeshBuffers {
-        std::mem::take(match self {
-            Self::Ground => &mut mesh.ground,
-            Self::Water => &mut mesh.water,
-            Self::Roads => &mut mesh.roads,
-            Self::Buildings => &mut mesh.buildings,
-            Self::Windows => &mut mesh.windows,
-        })
-    }
-
-    /// The material of this part unless a game gives another. Colours come from the vertices.
-    fn default_material(self) -> StandardMaterial {
-        let (perceptual_roughness, reflectance) = match self {
-            Self::Ground => (1.0, 0.1),
-            Self::Water => (0.12, 0.5),
-            Self::Roads => (0.9, 0.2),
-            Self::Buildings => (0.85, 0.3),
-            Self::Windows => (0.15, 0.6),
-        };
-        let alpha_mode = if self == Self::Water { AlphaMode::Blend } else { AlphaMode::Opaque };
-        StandardMaterial { perceptual_roughness, reflectance, alpha_mode, ..default() }
-    }
+/// The material of a part unless a game gives another. Colours come from the vertices.
+fn default_material(part: ChunkPart) -> StandardMaterial {
+    let PartMaterial { roughness, reflectance, transparent, .. } = part.material();
+    let alpha_mode = if transparent { AlphaMode::Blend } else { AlphaMode::Opaque };
+    StandardMaterial { perceptual_roughness: roughness, reflectance, alpha_mode, ..default() }
 }
 
 /// The materials that all chunks share, one for each [`ChunkPart`]. Colours come from the vertices.
@@ -99,9 +68,9 @@ pub(super) struct PartMesh {
 }
 
 /// The meshes of a chunk that are not empty. With `keep`, their vertices stay in main memory when they go to the GPU.
-pub(super) fn part_meshes(mut chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
-    let parts = ChunkPart::ALL.into_iter().map(|part| (part, part.take_buffers(&mut chunk)));
-    parts
+pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
+    chunk
+        .into_parts()
         .filter(|(_, buffers)| !buffers.indices.is_empty())
         .map(|(part, buffers)| {
             let bounds = bounds(&buffers);
@@ -133,7 +102,9 @@ pub(super) struct AppearancePlugin;
 
 impl Plugin for AppearancePlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(ChunkPart, SprawlMaterials)>().add_systems(PreStartup, make_materials);
+        app.register_type::<(ChunkPart, SprawlMaterials)>()
+            .register_type_data::<ChunkPart, ReflectComponent>()
+            .add_systems(PreStartup, make_materials);
     }
 }
 
@@ -144,5 +115,5 @@ fn make_materials(
     materials: Option<ResMut<Assets<StandardMaterial>>>,
 ) {
     let (None, Some(mut materials)) = (given, materials) else { return };
-    commands.insert_resource(SprawlMaterials::new(|part| materials.add(part.default_material())));
+    commands.insert_resource(SprawlMaterials::new(|part| materials.add(default_material(part))));
 }

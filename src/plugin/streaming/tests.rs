@@ -87,7 +87,9 @@ impl ChunkGenerator for Fake {
             colours: vec![[1.0; 4]; 3],
             indices: vec![0, 1, 2],
         };
-        Ok(ChunkMesh { ground, ..default() })
+        let mut mesh = ChunkMesh::default();
+        mesh[ChunkPart::Ground] = ground;
+        Ok(mesh)
     }
 }
 

@@ -1,0 +1,23 @@
+//! What is given to divide a main cell.
+
+use crate::network::Street;
+use crate::space::Seed;
+use crate::style::ParcelRules;
+use crate::town::CellId;
+use glam::DVec2;
+
+/// A main cell to divide, with its streets and the rules of its style. Positions are local to the town, in metres.
+pub struct ParcelBrief<'a> {
+    /// The world's seed.
+    pub seed: Seed,
+    /// Name of the cell: the key of its random streams.
+    pub id: CellId,
+    /// Border, counter-clockwise. It runs along both sides of a main street that ends inside the cell.
+    pub border: &'a [DVec2],
+    /// Streets along the border and inside the cell.
+    pub streets: &'a [&'a Street],
+    /// Rules of the cell's style.
+    pub rules: &'a ParcelRules,
+    /// How central the cell is, from 0 at the settlement's outline to 1 at its centre.
+    pub centrality: f64,
+}

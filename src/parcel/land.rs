@@ -1,0 +1,61 @@
+//! Blocks, lots and footprints.
+
+use crate::network::StreetId;
+use glam::DVec2;
+
+/// What a block is used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockUse {
+    /// Divided into lots.
+    Built,
+    /// A park, or land without room for a lot.
+    Park,
+}
+
+/// Land between streets. Its border is the outer edge of the pavements around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Stable name.
+    pub id: u64,
+    /// Counter-clockwise, in metres.
+    pub polygon: Vec<DVec2>,
+    /// What the block is used for.
+    pub used_as: BlockUse,
+}
+
+/// A parcel of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lot {
+    /// Stable name.
+    pub id: u64,
+    /// The block it is part of.
+    pub block: u64,
+    /// Counter-clockwise, in metres. The first edge is the frontage.
+    pub polygon: Vec<DVec2>,
+    /// The street that the frontage lies on.
+    pub street: StreetId,
+}
+
+/// The outline of a building on the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Footprint {
+    /// Stable name.
+    pub id: u64,
+    /// The lot it stands on.
+    pub lot: u64,
+    /// Counter-clockwise, in metres.
+    pub polygon: Vec<DVec2>,
+    /// Number of storeys, at least 1.
+    pub storeys: u32,
+}
+
+/// Blocks, lots and buildings of a main cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellParcels {
+    /// Blocks.
+    pub blocks: Vec<Block>,
+    /// Lots with a frontage.
+    pub lots: Vec<Lot>,
+    /// Buildings, at most one for each lot.
+    pub footprints: Vec<Footprint>,
+}
