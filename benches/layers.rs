@@ -6,8 +6,10 @@ use bevy_sprawl::chunk::Ground;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::network::Street;
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
+use bevy_sprawl::surface::cover;
 use bevy_sprawl::world::{World, WorldAssets, WorldSource};
 use bevy_sprawl::{seam, town};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -118,10 +120,26 @@ fn layers(c: &mut Criterion) {
             BatchSize::PerIteration,
         )
     });
-    c.bench_function("streets and parcels/all cells of a city", |b| {
+    let streets_of_cells = || {
+        (0..seamed.town.cells.len())
+            .map(|i| world.stack().streets(&seamed, i, &never).expect("never cancelled"))
+            .collect::<Vec<_>>()
+    };
+    c.bench_function("surface/cover, all cells of a city", |b| {
+        let cells = streets_of_cells();
+        let cells: Vec<Vec<&Street>> = cells
+            .iter()
+            .map(|cell| cell.streets.iter().map(|s| &s.street).chain(&seamed.mains.streets).collect())
+            .collect();
+        b.iter(|| cells.iter().map(|streets| cover(streets, 0.0).len()).sum::<usize>())
+    });
+    c.bench_function("parcel/all cells of a city", |b| {
         b.iter_batched(
-            || world.forget_chunks(),
-            |()| {
+            || {
+                world.forget_chunks();
+                streets_of_cells()
+            },
+            |_| {
                 (0..seamed.town.cells.len())
                     .map(|i| world.stack().parcels(&seamed, i, &never).expect("never cancelled").lots.len())
                     .sum::<usize>()

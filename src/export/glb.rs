@@ -1,4 +1,4 @@
-//! Chunk meshes as one glTF 2.0 binary: a node per chunk, a primitive per material.
+//! Chunk meshes as one glTF 2.0 binary: a node for each chunk, a primitive for each part.
 
 use crate::export::ExportError;
 use crate::mesh::{ChunkMesh, ChunkPart, MeshBuffers, PartMaterial};
@@ -11,7 +11,7 @@ use gltf::mesh::Semantic;
 use gltf::validation::{Checked, USize64};
 use gltf_json as gltf;
 
-/// A chunk's meshes, and where they lie.
+/// The meshes of a chunk with their position.
 pub struct PlacedMesh {
     /// Name of the chunk.
     pub coord: ChunkCoord,
@@ -21,7 +21,11 @@ pub struct PlacedMesh {
     pub mesh: ChunkMesh,
 }
 
-/// Writes meshes as a GLB file with `centre` (plan metres) at (0, height, 0): x east, y up, z south, in metres.
+/// Writes meshes as a GLB file, with `centre` (plan metres) at (0, height, 0): x east, y up, z south, in metres.
+///
+/// # Errors
+///
+/// [`ExportError::Format`] if the buffers of a mesh differ in length, or if the file would be larger than 4 GiB.
 pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportError> {
     let mut file = File::default();
     // A material is made when it is first used: readers warn of materials without a use.
@@ -85,18 +89,18 @@ impl File {
             (low, high) = (low.min((*p).into()), high.max((*p).into()));
         }
         let positions = buffers.positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        // Readers insist on unit length.
+        // Readers insist on normals of unit length.
         let unit = |n: &[f32; 3]| Vec3::from(*n).try_normalize().unwrap_or(Vec3::Y).to_array();
         let normals = buffers.normals.iter().flat_map(unit).flat_map(f32::to_le_bytes).collect();
-        let part = |x: &f32| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16;
-        let colours = buffers.colours.iter().flatten().flat_map(|x| part(x).to_le_bytes()).collect();
+        let channel = |x: &f32| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16;
+        let colours = buffers.colours.iter().flatten().flat_map(|x| channel(x).to_le_bytes()).collect();
         let indices = buffers.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
 
         let vertices = Some(Target::ArrayBuffer);
         let positions = self.accessor(positions, vertices, count, Type::Vec3, ComponentType::F32);
-        let of = &mut self.root.accessors[positions.value()];
-        of.min = Some(low.to_array().map(f64::from).to_vec().into());
-        of.max = Some(high.to_array().map(f64::from).to_vec().into());
+        let accessor = &mut self.root.accessors[positions.value()];
+        accessor.min = Some(low.to_array().map(f64::from).to_vec().into());
+        accessor.max = Some(high.to_array().map(f64::from).to_vec().into());
         let normals = self.accessor(normals, vertices, count, Type::Vec3, ComponentType::F32);
         let colours = self.accessor(colours, vertices, count, Type::Vec4, ComponentType::U16);
         self.root.accessors[colours.value()].normalized = true;
@@ -115,7 +119,7 @@ impl File {
         })
     }
 
-    /// Appends bytes (a multiple of 4 of them) and describes them.
+    /// Appends bytes, a multiple of 4 of them, and describes them.
     fn accessor(
         &mut self,
         bytes: Vec<u8>,

@@ -1,4 +1,4 @@
-//! Vertex buffers, and how faces are added to them.
+//! Vertex buffers and the faces added to them.
 
 use glam::{DVec3, Vec3};
 
@@ -18,12 +18,12 @@ pub struct MeshBuffers {
 /// A linear colour without transparency.
 pub(super) type Rgb = [f32; 3];
 
-/// A point or direction with plan x, plan y and height in Bevy's axes.
+/// A point or direction, given as plan x, plan y and height, in Bevy's axes.
 pub(super) fn to_bevy(p: DVec3) -> [f32; 3] {
     [p.x as f32, p.z as f32, -p.y as f32]
 }
 
-/// `a` at 0, `b` at 1.
+/// The colour between `a` (at `t` = 0) and `b` (at 1).
 pub(super) fn blend(a: Rgb, b: Rgb, t: f32) -> Rgb {
     [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t)
 }
@@ -38,7 +38,7 @@ impl MeshBuffers {
         index
     }
 
-    /// Adds a triangle of vertices that are there, unless it has no area or faces away from their normals.
+    /// Adds a triangle of earlier vertices, unless it has no area or faces away from their normals.
     pub(super) fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|i| Vec3::from(self.positions[i as usize]));
         let cross = (b - a).cross(c - a);
@@ -49,7 +49,7 @@ impl MeshBuffers {
 
     /// Adds a flat convex polygon, counter-clockwise seen from the front.
     pub(super) fn face(&mut self, points: &[DVec3], colour: Rgb) {
-        // Newell's sum is right for any polygon, also where three points in a row are on a line.
+        // Newell's sum holds for any polygon, even if three points in a row lie on a line.
         let n = points.len();
         let normal = (0..n).map(|i| points[i].cross(points[(i + 1) % n])).sum::<DVec3>().normalize_or_zero();
         let first = self.positions.len() as u32;

@@ -1,4 +1,4 @@
-//! Laying flat shapes on the drawn ground: they are cut along the ground's triangles, so that they follow it exactly and
+//! Laying flat shapes on the drawn ground. Shapes are cut along the triangles of the ground, so that they follow it exactly and
 //! it never shows through.
 
 use crate::chunk::{Chunk, GROUND_STEP};
@@ -10,17 +10,17 @@ use crate::terrain::Terrain;
 use glam::{DVec2, DVec3, IVec2};
 use std::collections::BTreeMap;
 
-/// Height and gradient at a vertex of the ground grid.
+/// Height (metres) and gradient at a vertex of the ground grid.
 type Corner = (f64, DVec2);
 
-/// The drawn ground in a chunk's frame, inside its square and out, at every vertex or at every `stride`-th.
+/// The drawn ground in a chunk's frame, inside the chunk's square and outside, at every vertex or at every `stride`-th.
 pub(super) struct Drape<'a> {
     chunk: &'a Chunk,
     terrain: &'a dyn Terrain,
     stride: i32,
     /// Distance between vertices, in metres.
     step: f64,
-    /// Vertices along an edge of the square, less one.
+    /// Steps along an edge of the square.
     cells: i32,
     inside: Vec<Corner>,
     outside: BTreeMap<(i32, i32), Corner>,
@@ -29,7 +29,7 @@ pub(super) struct Drape<'a> {
 }
 
 impl<'a> Drape<'a> {
-    /// The ground at every `stride`-th vertex; the chunk's square holds a whole number of such steps.
+    /// The ground at every `stride`-th vertex. `stride` divides the number of steps along the chunk's square.
     pub fn new(chunk: &'a Chunk, terrain: &'a dyn Terrain, stride: i32) -> Self {
         let cells = chunk.ground.cells as i32 / stride;
         let mut drape = Self {
@@ -52,7 +52,7 @@ impl<'a> Drape<'a> {
         drape
     }
 
-    /// The deck of a bridge.
+    /// The deck of a bridge, if it comes over the chunk.
     pub fn deck(&self, bridge: StreetId) -> Option<&'a Deck> {
         self.chunk.decks.iter().find(|d| d.street == bridge)
     }
@@ -61,7 +61,7 @@ impl<'a> Drape<'a> {
         at.min_element() >= 0 && at.max_element() <= self.cells
     }
 
-    /// Height at a vertex.
+    /// Height at a vertex, in metres.
     fn height_of(&mut self, at: IVec2) -> f64 {
         if self.is_inside(at) {
             let at = at * self.stride;
@@ -90,8 +90,8 @@ impl<'a> Drape<'a> {
         corner
     }
 
-    /// The three corners of the ground triangle under a point of the grid square at `cell`, as height and gradient at the
-    /// square's south-west corner and their changes over the square to the east and to the north.
+    /// The lower or upper ground triangle of the grid square at `cell`: height and gradient at the square's south-west corner,
+    /// and their changes over the square to the east and to the north.
     fn plane(&mut self, cell: IVec2, lower: bool) -> [Corner; 3] {
         let sw = self.corner(cell);
         let ne = self.corner(cell + IVec2::ONE);
@@ -105,7 +105,7 @@ impl<'a> Drape<'a> {
         }
     }
 
-    /// Height of the drawn ground at a local point.
+    /// Height of the drawn ground at a local point, in metres.
     pub fn height(&mut self, p: DVec2) -> f64 {
         let cell = (p / self.step).floor();
         let f = p / self.step - cell;
@@ -154,7 +154,7 @@ impl<'a> Drape<'a> {
         self.scratch = [strip, square, half, spare, Vec::new()];
     }
 
-    /// Adds a quadrangle as one convex polygon or, where it is none, as those of its triangles that run counter-clockwise.
+    /// Adds a quadrangle. If it is not convex, only its triangles that run counter-clockwise are added.
     pub fn lay_quad(&mut self, out: &mut MeshBuffers, quad: [DVec2; 4], lift: f64, colour: Rgb) {
         let turn = |i: usize| {
             let [a, b, c] = [0, 1, 2].map(|k| quad[(i + k) % 4]);
@@ -182,7 +182,7 @@ impl<'a> Drape<'a> {
             return;
         }
         let normal = (-d.perp()).normalize().extend(0.0);
-        // Where the line passes from one ground triangle to the next.
+        // The wall is cut where it passes from one ground triangle to the next.
         let mut cuts = vec![0.0, 1.0];
         for (from, along) in [(a.x, d.x), (a.y, d.y), (a.x - a.y, d.x - d.y)] {
             if along.abs() < 1e-9 {
@@ -210,7 +210,7 @@ impl<'a> Drape<'a> {
     }
 }
 
-/// The part of a convex polygon where `depth` (linear) is not negative.
+/// Cuts a convex polygon to its part where `depth`, a linear function, is not negative.
 fn cut(polygon: &[DVec2], out: &mut Vec<DVec2>, depth: impl Fn(DVec2) -> f64) {
     out.clear();
     let Some(&last) = polygon.last() else { return };

@@ -1,30 +1,30 @@
-//! Roofs over footprints: flat, gabled, hipped, and mansards; each closes the walls below it edge to edge.
+//! Roofs over footprints: flat, gabled, hipped and mansard. Each roof closes the walls below it edge to edge.
 
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::space::{cross, left_normal, orient, stable_hash};
 use glam::{DVec2, DVec3};
 
-/// Storeys from which a building has no pitched roof.
+/// Number of storeys from which a building has no pitched roof.
 const FLAT_FROM: u32 = 4;
 
-/// Shape of a roof. `start` is the index of the footprint's corner where the pattern begins.
+/// Shape of a roof. `start` is the index of the corner of the footprint at which the pattern begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Roof {
     /// Level.
     Flat,
-    /// Over four corners: a ridge between the middles of edges `start + 1` and `start + 3`, or drawn in by a hip.
+    /// Over four corners: a ridge between the middles of edges `start + 1` and `start + 3`, shortened at both ends by a hip.
     Ridge { start: usize, hip: bool },
-    /// Over an L whose inner corner is `start`: a ridge from the middle of each end wall to the knee.
+    /// Over an L with its inner corner at `start`: a ridge from the middle of each end wall to the knee.
     Knee { start: usize },
     /// Steep sides up to a level top.
     Mansard,
 }
 
-/// The roof that suits a footprint. `frontage` is the edge of its lot along the street.
+/// The roof that suits a footprint. `frontage` is the edge of the lot along the street, as two points.
 pub(super) fn roof(plan: &[DVec2], storeys: u32, frontage: Option<&[DVec2]>, id: u64) -> Roof {
     let pick = |salt: u64, n: u64| stable_hash(&[id, salt]) % n;
     if storeys >= FLAT_FROM {
-        let mansard = storeys <= 7 && pick(11, 3) == 0 && inset(plan, MANSARD_IN).is_some();
+        let mansard = storeys <= 7 && pick(11, 3) == 0 && inset(plan, MANSARD_INSET).is_some();
         return if mansard { Roof::Mansard } else { Roof::Flat };
     }
     let n = plan.len();
@@ -36,7 +36,7 @@ pub(super) fn roof(plan: &[DVec2], storeys: u32, frontage: Option<&[DVec2]>, id:
             if even.min(odd) > 28.0 {
                 return Roof::Flat;
             }
-            // The ridge runs along the longer edges; in a row of houses along the street.
+            // The ridge runs along the longer edges, or along the street in a row of houses.
             let row = frontage.and_then(|f| {
                 let (street, length) = ((f[1] - f[0]).normalize_or_zero(), f[0].distance(f[1]));
                 let across = (0..4).map(|i| plan[i].dot(street));
@@ -58,12 +58,14 @@ pub(super) fn roof(plan: &[DVec2], storeys: u32, frontage: Option<&[DVec2]>, id:
     }
 }
 
-/// How far a mansard's top is drawn in, and how high it is.
-const MANSARD_IN: f64 = 1.3;
-const MANSARD_UP: f64 = 2.6;
+/// Distance by which the top of a mansard is drawn in from its eaves, in metres.
+const MANSARD_INSET: f64 = 1.3;
+
+/// Height of the top of a mansard above its eaves, in metres.
+const MANSARD_HEIGHT: f64 = 2.6;
 
 impl Roof {
-    /// Adds the roof over walls that end at height `eaves`.
+    /// Adds the roof over walls that end at the height `eaves`, in metres.
     pub fn build(self, out: &mut MeshBuffers, plan: &[DVec2], eaves: f64, tiles: Rgb, wall: Rgb) {
         let at = |i: usize| plan[i % plan.len()].extend(eaves);
         let middle = |i: usize| (plan[i % plan.len()] + plan[(i + 1) % plan.len()]) / 2.0;
@@ -77,8 +79,8 @@ impl Roof {
                 let along = (b - a).normalize_or_zero() * pull;
                 let (a, b) = ((a + along).extend(eaves + up), (b - along).extend(eaves + up));
                 let ends = if hip { tiles } else { wall };
-                warped(out, [at(s), at(s + 1), a, b], tiles);
-                warped(out, [at(s + 2), at(s + 3), b, a], tiles);
+                quadrangle(out, [at(s), at(s + 1), a, b], tiles);
+                quadrangle(out, [at(s + 2), at(s + 3), b, a], tiles);
                 out.face(&[at(s + 1), at(s + 2), a], ends);
                 out.face(&[at(s + 3), at(s), b], ends);
             }
@@ -88,32 +90,32 @@ impl Roof {
                 let up = eaves + (widths[0].min(widths[1]) * 0.36).min(4.5);
                 let knee = ((plan[s % 6] + plan[(s + 3) % 6]) / 2.0).extend(up);
                 let (a, b) = (a.extend(up), b.extend(up));
-                warped(out, [at(s + 2), at(s + 3), knee, a], tiles);
-                warped(out, [at(s), at(s + 1), a, knee], tiles);
-                warped(out, [at(s + 3), at(s + 4), b, knee], tiles);
-                warped(out, [at(s + 5), at(s), knee, b], tiles);
+                quadrangle(out, [at(s + 2), at(s + 3), knee, a], tiles);
+                quadrangle(out, [at(s), at(s + 1), a, knee], tiles);
+                quadrangle(out, [at(s + 3), at(s + 4), b, knee], tiles);
+                quadrangle(out, [at(s + 5), at(s), knee, b], tiles);
                 out.face(&[at(s + 1), at(s + 2), a], wall);
                 out.face(&[at(s + 4), at(s + 5), b], wall);
             }
             Self::Mansard => {
-                let Some(top) = inset(plan, MANSARD_IN) else { return cap(out, plan, eaves, true, tiles) };
-                let up = |i: usize| top[i % top.len()].extend(eaves + MANSARD_UP);
+                let Some(top) = inset(plan, MANSARD_INSET) else { return cap(out, plan, eaves, true, tiles) };
+                let up = |i: usize| top[i % top.len()].extend(eaves + MANSARD_HEIGHT);
                 for i in 0..plan.len() {
-                    warped(out, [at(i), at(i + 1), up(i + 1), up(i)], tiles);
+                    quadrangle(out, [at(i), at(i + 1), up(i + 1), up(i)], tiles);
                 }
-                cap(out, &top, eaves + MANSARD_UP, true, blend(tiles, [0.2; 3], 0.5));
+                cap(out, &top, eaves + MANSARD_HEIGHT, true, blend(tiles, [0.2; 3], 0.5));
             }
         }
     }
 }
 
-/// A quadrangle that need not be flat, as two triangles.
-fn warped(out: &mut MeshBuffers, [a, b, c, d]: [DVec3; 4], colour: Rgb) {
+/// Adds a quadrangle that need not be flat, as two triangles.
+fn quadrangle(out: &mut MeshBuffers, [a, b, c, d]: [DVec3; 4], colour: Rgb) {
     out.face(&[a, b, c], colour);
     out.face(&[a, c, d], colour);
 }
 
-/// A level face over a simple polygon, seen from above or from below.
+/// Adds a level face over a simple polygon, seen from above or from below.
 pub(super) fn cap(out: &mut MeshBuffers, plan: &[DVec2], height: f64, above: bool, colour: Rgb) {
     let normal = if above { DVec3::Z } else { DVec3::NEG_Z };
     let first = out.positions.len() as u32;
@@ -125,7 +127,7 @@ pub(super) fn cap(out: &mut MeshBuffers, plan: &[DVec2], height: f64, above: boo
     }
 }
 
-/// A polygon with each edge moved inwards by `by`; `None` where an edge would turn around or nearly vanish.
+/// A polygon with each edge moved inwards by `by` metres; `None` if an edge would turn around or nearly vanish.
 fn inset(plan: &[DVec2], by: f64) -> Option<Vec<DVec2>> {
     let n = plan.len();
     let edge = |i: usize| (plan[(i + 1) % n] - plan[i % n]).normalize_or_zero();
@@ -151,7 +153,7 @@ pub(super) fn ears(plan: &[DVec2]) -> Vec<[usize; 3]> {
             let holds = |p: DVec2| orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0;
             orient(a, b, c) > 0.0 && !left.iter().any(|i| !t.contains(i) && holds(plan[*i]))
         };
-        // A polygon that crosses itself has no ear left at some time: what remains is cut as it comes.
+        // A polygon that crosses itself runs out of ears. The rest is cut in order.
         let k = (0..n).find(is_ear).unwrap_or(0);
         out.push(corner(k));
         left.remove(k);

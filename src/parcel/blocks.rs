@@ -1,7 +1,7 @@
-//! Blocks: a cell less the full widths of its streets.
+//! Blocks: a cell less the ground that its streets cover.
 
 use crate::network::Street;
-use crate::space::{Bounds, QUANTUM, closest_on_line, cross, left_normal, signed_area};
+use crate::space::{Bounds, QUANTUM, closest_on_segment, cross, left_normal, segments, signed_area};
 use crate::surface::cover;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -15,20 +15,22 @@ const MIN_AREA: f64 = 150.0;
 /// Least width of a block, in metres.
 const MIN_WIDTH: f64 = 6.0;
 
-/// What streets are wider by here (metres), so that neither rounding to the quantum grid nor dropping points that are
-/// straight to within [`STRAIGHT`] brings a block onto a pavement.
+/// Distance between a block and the pavements around it, in metres, so that neither rounding to the quantum grid nor dropping
+/// points on stretches that are straight to within [`STRAIGHT`] brings a block onto a pavement.
 const MARGIN: f64 = 0.012;
 
-/// Points of a border closer than this (metres) to the line through their neighbours are dropped.
+/// Distance in metres to the line through its neighbours below which a point of a border is dropped.
 const STRAIGHT: f64 = 0.004;
 
-/// The border of a block, counter-clockwise, and for each of its edges the street (index) that it follows.
+/// A block.
 pub(super) struct BlockShape {
+    /// The border, counter-clockwise.
     pub polygon: Vec<DVec2>,
+    /// For each edge of the border the street (index) that it follows.
     pub fronts: Vec<Option<usize>>,
 }
 
-/// The blocks of a cell, in an order that depends on their place only.
+/// The blocks of a cell, ordered by position.
 pub(super) fn blocks(border: &[DVec2], streets: &[&Street]) -> Vec<BlockShape> {
     let bounds = Bounds::of(border.iter().copied());
     if border.len() < 3 || !bounds.size().is_finite() {
@@ -40,7 +42,7 @@ pub(super) fn blocks(border: &[DVec2], streets: &[&Street]) -> Vec<BlockShape> {
     let mut out = Vec::new();
     while let Some(mut shape) = shapes.pop() {
         if shape.len() > 1 {
-            // Streets that reach no border ring a hole: cut through its middle.
+            // Streets that reach no border make a hole. The shape is cut in two through the middle of its first hole.
             let hole = Bounds::of(shape[1].iter().map(|p| grid.point(p))).centre().x;
             for (low, high) in [(bounds.min.x, hole), (hole, bounds.max.x)] {
                 let corners = [(low, bounds.min.y), (high, bounds.min.y), (high, bounds.max.y), (low, bounds.max.y)];
@@ -72,6 +74,7 @@ struct Grid {
     origin: DVec2,
 }
 
+/// A closed line on the grid.
 type Ring = Vec<IntPoint<i32>>;
 
 impl Grid {
@@ -84,7 +87,7 @@ impl Grid {
         DVec2::new(f64::from(p.x), f64::from(p.y)) * QUANTUM + self.origin
     }
 
-    /// Shapes: an outer ring counter-clockwise, then its holes.
+    /// The shapes of `subject` and `clip` under a rule. Each is an outer ring, counter-clockwise, followed by its holes.
     fn overlay(&self, subject: &[Ring], clip: &[Ring], rule: OverlayRule) -> Vec<Vec<Ring>> {
         let count = subject.iter().chain(clip).map(Vec::len).sum();
         let options = IntOverlayOptions { ogc: true, ..Default::default() };
@@ -95,9 +98,9 @@ impl Grid {
     }
 }
 
-/// Starts at the corner that is first by x and y; without doubled points, spikes, and points on straight stretches.
+/// The ring from its corner that is first by x and y, without doubled points, spikes, and points on straight stretches.
 fn tidy(mut ring: Vec<DVec2>) -> Vec<DVec2> {
-    // An outermost point stays whatever happens, so points are judged between one that is kept and the next.
+    // The first corner always stays, so each point is judged between the last point kept and the next one.
     let first = (0..ring.len()).min_by(|&i, &j| ring[i].x.total_cmp(&ring[j].x).then(ring[i].y.total_cmp(&ring[j].y)));
     ring.rotate_left(first.unwrap_or(0));
     let mut changed = true;
@@ -124,7 +127,7 @@ fn tidy(mut ring: Vec<DVec2>) -> Vec<DVec2> {
     ring
 }
 
-/// Least extent of a polygon across any of its edges, and at most what its area allows for its perimeter.
+/// Width of a polygon in metres: its least extent across any of its edges, but no more than its area and perimeter allow.
 fn width(polygon: &[DVec2]) -> f64 {
     let edges = || (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]));
     let across = edges()
@@ -136,12 +139,12 @@ fn width(polygon: &[DVec2]) -> f64 {
             high - low
         })
         .fold(f64::INFINITY, f64::min);
-    // A strip of width w has about 2 area / perimeter = w; a square of edge w half of that.
+    // 2 area / perimeter is about w for a strip of width w, and w / 2 for a square of edge w.
     let around: f64 = edges().map(|(a, b)| a.distance(b)).sum();
     across.min(4.0 * signed_area(polygon) / around)
 }
 
-/// The street whose outer edge the border edge `a`-`b` follows.
+/// The street (index) whose outer edge the border edge `a`-`b` follows. `near` are boxes around the streets.
 fn street_along(a: DVec2, b: DVec2, streets: &[&Street], near: &[Bounds]) -> Option<usize> {
     let middle = (a + b) / 2.0;
     let inwards = left_normal(b - a);
@@ -151,15 +154,24 @@ fn street_along(a: DVec2, b: DVec2, streets: &[&Street], near: &[Bounds]) -> Opt
             continue;
         }
         let half = street.class.half_width();
-        let (_, at) = closest_on_line(middle, &street.line);
-        let excess = at.distance(middle) - half;
-        // Short edges may be the tip of a mitre, which is further out.
+        let (at, distance) = nearest_point(middle, &street.line);
+        let excess = distance - half;
+        // A short edge may be the tip of a mitre, which lies further out.
         let allowed = if a.distance_squared(b) < 36.0 { half * 0.45 } else { 0.1 };
         if excess < allowed && (at - middle).dot(inwards) < 0.0 && best.is_none_or(|(e, _)| excess < e) {
             best = Some((excess, i));
         }
     }
     best.map(|(_, i)| i)
+}
+
+/// The point of a line nearest to `p`, and its distance.
+fn nearest_point(p: DVec2, line: &[DVec2]) -> (DVec2, f64) {
+    let (at, squared) = segments(line)
+        .map(|(a, b)| closest_on_segment(p, a, b).1)
+        .map(|q| (q, q.distance_squared(p)))
+        .fold((DVec2::ZERO, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+    (at, squared.sqrt())
 }
 
 #[cfg(test)]

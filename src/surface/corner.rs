@@ -39,18 +39,26 @@ pub(super) struct Meeting {
 /// Where the left edge of an arm in unit direction `da` and the right edge of the next arm counter-clockwise, in direction
 /// `db`, end around `at`. `alone` says that the two are one and the same arm; a `kerb` is rounded.
 pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: bool, kerb: bool) -> Meeting {
-    if alone || cross(da, db) < 0.0 {
-        let (from, to, radius) = (da.perp(), -db.perp(), a.half.max(b.half));
-        let mut path: Vec<DVec2> = Vec::with_capacity(4);
-        path.extend((a.half < radius).then(|| at + from * radius));
-        path.extend(sector_corners(from, to, radius).map(|corner| at + corner));
-        path.extend((b.half < radius).then(|| at + to * radius));
-        return Meeting { path, first: [0; 2], reach: [0.0; 2] };
+    let (from, to) = (da.perp(), -db.perp());
+    let open = alone || cross(da, db) < 0.0;
+    let direct = |path: Vec<DVec2>| Meeting { path, first: [0; 2], reach: [0.0; 2] };
+    let widest = a.half.max(b.half);
+    let around = || direct(sector_corners(from, to, widest).map(|corner| at + corner).collect());
+    if open && a.half == b.half {
+        return around();
     }
-    let [left, right] = [Outline::new(at, a, da, 0), Outline::new(at, b, db, 1)];
+    let [mut left, mut right] = [Outline::new(at, a, da, 0), Outline::new(at, b, db, 1)];
+    if open && a.half > b.half {
+        left.extend_end(at, widest, [da, to], sector_corners(from, to, widest).rev());
+    } else if open {
+        right.extend_end(at, widest, [db, from], sector_corners(from, to, widest));
+    }
     let Some(hit) = outermost_crossing(&left.points, &right.points) else {
+        if open {
+            return around();
+        }
         if da.dot(db) < -0.5 {
-            return Meeting { path: Vec::new(), first: [0; 2], reach: [0.0; 2] };
+            return direct(Vec::new());
         }
         // So sharp that the streets part only further out.
         let [p, q] = [&left, &right].map(|o| o.points[o.points.len() - 1]);
@@ -69,18 +77,15 @@ pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: 
         path.push(hit.at);
     }
     path.extend(right.end_beyond(hit.segments[1]));
-    let first = [(hit.segments[0] + 1).saturating_sub(END), (hit.segments[1] + 1).saturating_sub(END)];
+    let first = [left.first_beyond(hit.segments[0]), right.first_beyond(hit.segments[1])];
     Meeting { path, first, reach: [reach_a, reach_b] }
 }
 
-/// Points of half an arm's end before its edge begins.
-const END: usize = 3;
-
-/// The outline of one side of an arm, outwards: from behind the junction around its end and along its edge.
+/// The outline of one side of an arm, outwards: around the end of the arm behind the junction, then along its edge.
 struct Outline {
     points: Vec<DVec2>,
-    /// Length of the part around the end, in metres.
-    end: f64,
+    /// Number of points around the end, before the first point of the edge.
+    end: usize,
 }
 
 impl Outline {
@@ -88,13 +93,38 @@ impl Outline {
     fn new(at: DVec2, edges: &Edges, d: DVec2, side: usize) -> Self {
         let normals = end_normals(d);
         let [edge, slant, behind] = if side == 0 { [0, 1, 2] } else { [4, 3, 2] }.map(|i| normals[i]);
-        let mut points = Vec::with_capacity(END + edges.sides[side].len());
+        let mut points = Vec::with_capacity(8 + edges.sides[side].len());
         points.push(at + behind * edges.half);
         points.push(at + mitre(behind, slant, edges.half));
         points.push(at + mitre(slant, edge, edges.half));
         points.extend(&edges.sides[side]);
-        let end = points[..=END].windows(2).map(|w| w[0].distance(w[1])).sum();
-        Self { points, end }
+        Self { points, end: 3 }
+    }
+
+    /// Takes the outline around the whole end of its arm, which leaves the junction in unit direction `d`, and over `corners`
+    /// outside the junction, which begin at the unit normal `from`.
+    fn extend_end(&mut self, at: DVec2, half: f64, [d, from]: [DVec2; 2], corners: impl Iterator<Item = DVec2>) {
+        let [left, slant_left, behind, slant_right, right] = end_normals(d);
+        let is_left = (self.points[self.end] - at).dot(left) > 0.0;
+        let [other, slant] = if is_left { [right, slant_right] } else { [left, slant_left] };
+        let first = [at + other * half, at + mitre(other, slant, half), at + mitre(slant, behind, half)];
+        self.points.splice(..0, first);
+        self.end += first.len();
+        let mut outside = vec![at + from * half];
+        outside.extend(corners.map(|corner| at + corner));
+        outside.push(self.points[self.end]);
+        // The corners begin inside the end. From where they leave it, the outline follows them.
+        for k in 0..outside.len() - 1 {
+            for i in 0..self.end {
+                let [a, b] = [self.points[i], self.points[i + 1]];
+                if let Some(c) = segment_crossing(outside[k], outside[k + 1], a, b) {
+                    let corners = std::iter::once(c.at).chain(outside[k + 1..outside.len() - 1].iter().copied());
+                    self.points.splice(i + 1..self.end, corners);
+                    self.end = i + outside.len() - k;
+                    return;
+                }
+            }
+        }
     }
 
     /// The distance from the junction along the edge, and the point, `by` metres outwards from the point at `t` (0..=1) of a
@@ -102,13 +132,23 @@ impl Outline {
     fn beyond(&self, segment: usize, t: f64, by: f64) -> (f64, DVec2) {
         let (a, b) = (self.points[segment], self.points[segment + 1]);
         let along = (t + by / a.distance(b).max(1e-6)).min(t.max(0.95));
-        let before: f64 = self.points[..=segment].windows(2).map(|w| w[0].distance(w[1])).sum();
-        (before + a.distance(b) * along - self.end, a.lerp(b, along))
+        let length = |points: &[DVec2]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+        let before = if segment < self.end {
+            -length(&self.points[segment..=self.end])
+        } else {
+            length(&self.points[self.end..=segment])
+        };
+        (before + a.distance(b) * along, a.lerp(b, along))
     }
 
-    /// The points of the end of the arm that lie outwards of a segment.
+    /// The points around the end that lie outwards of a segment.
     fn end_beyond(&self, segment: usize) -> &[DVec2] {
-        &self.points[(segment + 1).min(END)..END]
+        &self.points[(segment + 1).min(self.end)..self.end]
+    }
+
+    /// The first point of the edge outwards of a segment, as an index.
+    fn first_beyond(&self, segment: usize) -> usize {
+        (segment + 1).saturating_sub(self.end)
     }
 }
 

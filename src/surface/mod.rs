@@ -17,6 +17,8 @@ mod deck;
 mod junction;
 mod offset;
 mod strip;
+#[cfg(test)]
+mod tests;
 
 pub use corner::Corner;
 pub use cover::cover;

@@ -1,0 +1,114 @@
+//! Random junctions: what is drawn of them is what they cover.
+
+use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::space::math::direction;
+use crate::space::{Seed, Stream, cut_line, quantize, signed_area};
+use crate::surface::{JunctionShape, Strip, cover, junction_reach};
+use glam::DVec2;
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use std::f64::consts::{FRAC_PI_3, TAU};
+
+/// Streets of random classes out of one junction, at least 60 degrees apart, most of them bent near it.
+fn star(rng: &mut Stream) -> Vec<Street> {
+    let count = 1 + rng.index(5);
+    let gaps: Vec<f64> = (0..count).map(|_| rng.unit() * rng.unit()).collect();
+    let spare = TAU - FRAC_PI_3 * count as f64;
+    let scale = spare / gaps.iter().sum::<f64>().max(1e-3);
+    let mut angle = rng.range(0.0, TAU);
+    let mut out = Vec::new();
+    for (i, gap) in gaps.iter().enumerate() {
+        let class = StreetClass::ALL[rng.index(StreetClass::ALL.len())];
+        let mut line = vec![DVec2::ZERO];
+        let bend = if rng.chance(0.7) { rng.range(-0.03, 0.03) } else { 0.0 };
+        for k in 1..=6 {
+            line.push(line[k - 1] + direction(angle + bend * k as f64) * 12.0);
+        }
+        let line = line.into_iter().map(quantize).collect();
+        let to = JunctionId(1 + i as u64);
+        let mut street = Street::new(StreetId(i as u64), class, JunctionId(0), to, line);
+        if rng.chance(0.5) {
+            street.line.reverse();
+            (street.from, street.to) = (street.to, street.from);
+        }
+        out.push(street);
+        angle += FRAC_PI_3 + gap * scale;
+    }
+    out
+}
+
+type Rings = Vec<Vec<[f64; 2]>>;
+
+fn ring(points: &[DVec2]) -> Vec<[f64; 2]> {
+    points.iter().map(|p| [p.x, p.y]).collect()
+}
+
+/// The polygons that are drawn for streets and their junctions.
+fn drawn(streets: &[Street]) -> Rings {
+    let mut out: Rings = Vec::new();
+    let strip = |line: &[DVec2], class, out: &mut Rings| {
+        let Some(strip) = Strip::new(line, class) else { return };
+        let [left, right] = &strip.outer;
+        for i in 0..line.len() - 1 {
+            out.push(ring(&[right[i], right[i + 1], left[i + 1], left[i]]));
+        }
+    };
+    for street in streets {
+        let (length, end) = (street.length(), junction_reach(street));
+        strip(&cut_line(&street.line, end, length - end), street.class, &mut out);
+    }
+    let ids = 0..=streets.len() as u64;
+    for id in ids.map(JunctionId) {
+        let ends: Vec<(&Street, bool)> = streets
+            .iter()
+            .flat_map(|s| [(s, s.from == id, true), (s, s.to == id, false)])
+            .filter(|(_, meets, _)| *meets)
+            .map(|(s, _, begins)| (s, begins))
+            .collect();
+        let (street, begins) = ends[0];
+        let at = if begins { street.line[0] } else { street.line[street.line.len() - 1] };
+        let shape = JunctionShape::new(&Junction { id, at }, &ends).unwrap();
+        let outline: Vec<DVec2> = shape.arms.iter().flat_map(|arm| arm.corner.side.iter().copied()).collect();
+        out.push(ring(&outline));
+        for arm in &shape.arms {
+            strip(&arm.line, arm.street.class, &mut out);
+        }
+    }
+    out
+}
+
+fn area_of(a: &Rings, b: &Rings, rule: OverlayRule) -> f64 {
+    let area = |r: &Vec<[f64; 2]>| signed_area(&r.iter().map(|p| DVec2::new(p[0], p[1])).collect::<Vec<_>>());
+    a.overlay(b, rule, FillRule::NonZero).iter().flatten().map(area).sum()
+}
+
+#[test]
+fn what_is_drawn_of_a_junction_is_what_it_covers() {
+    let mut rng = Seed(7).stream("surface test", &[]);
+    let (mut worst, mut total) = (0.0f64, 0.0);
+    for case in 0..400 {
+        let streets = star(&mut rng);
+        let drawn = drawn(&streets);
+        let covered: Rings = cover(&streets.iter().collect::<Vec<_>>(), 0.0).iter().map(|p| ring(p)).collect();
+        let beyond = area_of(&drawn, &covered, OverlayRule::Difference);
+        let short = area_of(&covered, &drawn, OverlayRule::Difference);
+        if beyond > 0.5 || short > 0.5 {
+            eprintln!(
+                "case {case}: {beyond:.2} m2 beyond, {short:.2} m2 short, {:?}",
+                streets
+                    .iter()
+                    .map(|s| (
+                        s.class,
+                        crate::space::math::angle_of(if s.from.0 == 0 { s.line[1] } else { s.line[5] })
+                            .to_degrees()
+                            .round()
+                    ))
+                    .collect::<Vec<_>>()
+            );
+        }
+        worst = worst.max(beyond);
+        total += short;
+    }
+    eprintln!("worst {worst} total {total}");
+}
