@@ -12,8 +12,7 @@ use super::water_bridges::{SHORT_END, SHORT_LAND, land_and_water};
 use crate::layer::{Cancel, LayerCache, LayerError, Weigh};
 use crate::network::{JunctionId, Street, StreetId};
 use crate::space::{
-    Bounds, Origin, closest_on_line, cut_line, line_length, quantize, segment_crossing, segments,
-    stable_hash,
+    Bounds, Origin, closest_on_line, cut_line, line_length, quantize, segment_crossing, segments, stable_hash,
 };
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
