@@ -49,11 +49,17 @@ pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: 
     }
     let [mut left, mut right] = [Outline::new(at, a, da, 0), Outline::new(at, b, db, 1)];
     if open && a.half > b.half {
-        left.extend_end(at, widest, [da, to], sector_corners(from, to, widest).rev());
+        left.extend(at, a, [da, to], 0, sector_corners(from, to, widest).rev());
     } else if open {
-        right.extend_end(at, widest, [db, from], sector_corners(from, to, widest));
+        right.extend(at, b, [db, from], 1, sector_corners(from, to, widest));
     }
-    let Some(hit) = outermost_crossing(&left.points, &right.points) else {
+    // Outside a bend it is the narrower arm that comes out from under the other one.
+    let crossing = if open && b.half < a.half {
+        outermost_crossing(&right.points, &left.points).map(Crossing::swapped)
+    } else {
+        outermost_crossing(&left.points, &right.points)
+    };
+    let Some(hit) = crossing else {
         if open {
             return around();
         }
@@ -101,15 +107,23 @@ impl Outline {
         Self { points, end: 3 }
     }
 
-    /// Takes the outline around the whole end of its arm, which leaves the junction in unit direction `d`, and over `corners`
-    /// outside the junction, which begin at the unit normal `from`.
-    fn extend_end(&mut self, at: DVec2, half: f64, [d, from]: [DVec2; 2], corners: impl Iterator<Item = DVec2>) {
-        let [left, slant_left, behind, slant_right, right] = end_normals(d);
-        let is_left = (self.points[self.end] - at).dot(left) > 0.0;
-        let [other, slant] = if is_left { [right, slant_right] } else { [left, slant_left] };
-        let first = [at + other * half, at + mitre(other, slant, half), at + mitre(slant, behind, half)];
-        self.points.splice(..0, first);
-        self.end += first.len();
+    /// Takes the outline from the arm's other edge around the whole end and over `corners` outside the junction, which begin
+    /// at the unit normal `from`. The arm leaves the junction at `at` in unit direction `d`.
+    fn extend(
+        &mut self,
+        at: DVec2,
+        edges: &Edges,
+        [d, from]: [DVec2; 2],
+        side: usize,
+        corners: impl Iterator<Item = DVec2>,
+    ) {
+        let half = edges.half;
+        let normals = end_normals(d);
+        let [other, slant, behind] = if side == 0 { [4, 3, 2] } else { [0, 1, 2] }.map(|i| normals[i]);
+        let mut before: Vec<DVec2> = edges.sides[1 - side].iter().rev().copied().collect();
+        before.extend([at + mitre(other, slant, half), at + mitre(slant, behind, half)]);
+        self.end += before.len();
+        self.points.splice(..0, before);
         let mut outside = vec![at + from * half];
         outside.extend(corners.map(|corner| at + corner));
         outside.push(self.points[self.end]);
@@ -160,11 +174,18 @@ struct Crossing {
     t: [f64; 2],
 }
 
-/// The outermost crossing of two outlines.
-fn outermost_crossing(left: &[DVec2], right: &[DVec2]) -> Option<Crossing> {
-    for i in (0..left.len() - 1).rev() {
-        for j in (0..right.len() - 1).rev() {
-            if let Some(c) = segment_crossing(left[i], left[i + 1], right[j], right[j + 1]) {
+impl Crossing {
+    fn swapped(self) -> Self {
+        let ([i, j], [t, u]) = (self.segments, self.t);
+        Self { at: self.at, segments: [j, i], t: [u, t] }
+    }
+}
+
+/// The crossing of two outlines that is outermost on the first.
+fn outermost_crossing(first: &[DVec2], second: &[DVec2]) -> Option<Crossing> {
+    for i in (0..first.len() - 1).rev() {
+        for j in (0..second.len() - 1).rev() {
+            if let Some(c) = segment_crossing(first[i], first[i + 1], second[j], second[j + 1]) {
                 return Some(Crossing { at: c.at, segments: [i, j], t: [c.t, c.u] });
             }
         }

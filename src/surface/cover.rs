@@ -1,7 +1,11 @@
 //! The ground that streets cover: polygons whose union is their surface in full width.
 //!
-//! Blocks are cut out with these polygons in one exact overlay. They were compared with the strokes of `i_overlay`
-//! (see [`cover`]).
+//! Blocks are cut out with these polygons in one exact overlay. The integer strokes of `i_overlay` 9.1 are no substitute. In 30
+//! random cells one overlay with these polygons took 1.4 ms a cell and left 9,300 corners of blocks. Strokes with mitred joins
+//! and square caps took 1.7 ms, left 15,800 corners and covered too much at junctions. Strokes with round joins and caps in steps
+//! of 45 degrees took 1.6 ms but lie inside the circle, so blocks came up to 0.68 m onto pavements; steps of 6 degrees mend this
+//! at 5.4 ms. A stroke has one width, so each class needs a pass of its own, and caps know nothing of the other streets at a
+//! junction.
 
 use crate::network::Street;
 use crate::space::{cross, left_normal, math::angle_of};

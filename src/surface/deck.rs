@@ -137,4 +137,16 @@ mod tests {
         assert_eq!(at(60.0, StreetClass::Minor.half_width() + 0.1), None);
         assert_eq!(at(200.0, 0.0), None, "the junction's part lies on the ground");
     }
+
+    #[test]
+    fn a_deck_clears_the_street_that_it_passes_over() {
+        let street = |id: u64, class, line| Street::new(StreetId(id), class, JunctionId(id), JunctionId(id + 1), line);
+        let bridge = street(1, StreetClass::Minor, vec![DVec2::X * -130.0, DVec2::X * 130.0]);
+        let highway = street(3, StreetClass::Highway, vec![DVec2::Y * -50.0, DVec2::Y * 50.0]);
+        let ground = |p: DVec2| 40.0 + 0.02 * p.x;
+        let deck = Deck::new(&Street { bridge: true, level: 1, ..bridge }, &[highway], ground);
+        assert_eq!(deck.crossings, [DVec2::ZERO]);
+        assert!(deck.height(DVec2::ZERO).unwrap() > ground(DVec2::ZERO) + CLEARANCE - 0.3);
+        assert!(deck.heights[0] < ground(deck.line[0]) + ROAD_LIFT + 0.01, "it begins on the ground");
+    }
 }

@@ -10,16 +10,15 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
 use std::f64::consts::{FRAC_PI_3, TAU};
 
-/// Streets of random classes out of one junction, at least 60 degrees apart, most of them bent near it.
-fn star(rng: &mut Stream) -> Vec<Street> {
-    let count = 1 + rng.index(5);
+/// `count` streets of some classes out of one junction, at least 60 degrees apart, most of them bent near it.
+fn star(rng: &mut Stream, count: usize, class: impl Fn(&mut Stream) -> StreetClass) -> Vec<Street> {
     let gaps: Vec<f64> = (0..count).map(|_| rng.unit() * rng.unit()).collect();
     let spare = TAU - FRAC_PI_3 * count as f64;
     let scale = spare / gaps.iter().sum::<f64>().max(1e-3);
     let mut angle = rng.range(0.0, TAU);
     let mut out = Vec::new();
     for (i, gap) in gaps.iter().enumerate() {
-        let class = StreetClass::ALL[rng.index(StreetClass::ALL.len())];
+        let class = class(rng);
         let mut line = vec![DVec2::ZERO];
         let bend = if rng.chance(0.7) { rng.range(-0.03, 0.03) } else { 0.0 };
         for k in 1..=6 {
@@ -83,32 +82,42 @@ fn area_of(a: &Rings, b: &Rings, rule: OverlayRule) -> f64 {
     a.overlay(b, rule, FillRule::NonZero).iter().flatten().map(area).sum()
 }
 
+/// Area drawn outside the cover, and area covered but not drawn, in square metres.
+fn mismatch(streets: &[Street]) -> (f64, f64) {
+    let drawn = drawn(streets);
+    let covered: Rings = cover(&streets.iter().collect::<Vec<_>>(), 0.0).iter().map(|p| ring(p)).collect();
+    let area = |a, b| area_of(a, b, OverlayRule::Difference);
+    (area(&drawn, &covered), area(&covered, &drawn))
+}
+
 #[test]
-fn what_is_drawn_of_a_junction_is_what_it_covers() {
+fn junctions_of_streets_of_one_width_are_drawn_as_they_cover() {
     let mut rng = Seed(7).stream("surface test", &[]);
-    let (mut worst, mut total) = (0.0f64, 0.0);
-    for case in 0..400 {
-        let streets = star(&mut rng);
-        let drawn = drawn(&streets);
-        let covered: Rings = cover(&streets.iter().collect::<Vec<_>>(), 0.0).iter().map(|p| ring(p)).collect();
-        let beyond = area_of(&drawn, &covered, OverlayRule::Difference);
-        let short = area_of(&covered, &drawn, OverlayRule::Difference);
-        if beyond > 0.5 || short > 0.5 {
-            eprintln!(
-                "case {case}: {beyond:.2} m2 beyond, {short:.2} m2 short, {:?}",
-                streets
-                    .iter()
-                    .map(|s| (
-                        s.class,
-                        crate::space::math::angle_of(if s.from.0 == 0 { s.line[1] } else { s.line[5] })
-                            .to_degrees()
-                            .round()
-                    ))
-                    .collect::<Vec<_>>()
-            );
-        }
-        worst = worst.max(beyond);
-        total += short;
+    for case in 0..300 {
+        let class = StreetClass::ALL[rng.index(StreetClass::ALL.len())];
+        let streets = star(&mut rng, 1 + case % 5, |_| class);
+        let (beyond, missing) = mismatch(&streets);
+        assert!(beyond < 0.1 && missing < 0.1, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
     }
-    eprintln!("worst {worst} total {total}");
+}
+
+#[test]
+fn two_streets_of_any_width_are_drawn_as_they_cover() {
+    let mut rng = Seed(8).stream("surface test", &[]);
+    for case in 0..300 {
+        let streets = star(&mut rng, 2, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
+        let (beyond, missing) = mismatch(&streets);
+        // The corners of an octagon around the end of the wider street may stand out of the mitred corners by this much.
+        assert!(beyond < 0.1 && missing < 1.5, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
+    }
+}
+
+#[test]
+fn nothing_is_drawn_beyond_what_streets_cover() {
+    let mut rng = Seed(9).stream("surface test", &[]);
+    for case in 0..300 {
+        let streets = star(&mut rng, 1 + case % 5, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
+        let (beyond, _) = mismatch(&streets);
+        assert!(beyond < 0.1, "case {case}: {beyond} m2 beyond, {streets:?}");
+    }
 }
