@@ -118,7 +118,7 @@ fn a_wrong_file_of_edits_is_refused_at_its_line() {
         ("far", "(way_points: [(at: (1e11, 0), class: Minor)])", "far.ron:1:15: way_points[0]: at.x is 100000000000"),
     ];
     for (name, text, expected) in cases {
-        let path = file(&format!("{name}.ron"), text);
+        let path = file(&format!("edits-{name}.ron"), text);
         let line = refused(&["settlements", "--edits", &path.to_string_lossy()]);
         assert!(line.contains(expected), "{line}");
     }
