@@ -112,8 +112,11 @@ fn finish_regeneration(
     mut current: ResMut<SprawlWorld>,
     mut streaming: Streaming,
     (folder, contents): (Option<Res<SprawlFolder>>, Res<FileContents>),
-    (mut changed, mut rejected): (MessageWriter<WorldChanged>, MessageWriter<WorldRejected>),
-    mut mended: MessageWriter<WorldMended>,
+    (mut changed, mut rejected, mut mended): (
+        MessageWriter<WorldChanged>,
+        MessageWriter<WorldRejected>,
+        MessageWriter<WorldMended>,
+    ),
 ) {
     let _running = stopwatch.start();
     let Some(result) = regeneration.task.as_mut().and_then(check_ready) else { return };

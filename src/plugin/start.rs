@@ -53,11 +53,14 @@ fn ask_for_new_anchors(
     }
 }
 
+/// Entities that wish to start on a street and for which no search runs yet.
+type Waiting = (With<StartOnStreet>, Without<StartSearch>);
+
 fn begin_searches(
     mut stopwatch: Stopwatch,
     mut commands: Commands,
     (world, origin): (Res<SprawlWorld>, Res<SprawlOrigin>),
-    entities: Query<(Entity, &Transform), (With<StartOnStreet>, Without<StartSearch>)>,
+    entities: Query<(Entity, &Transform), Waiting>,
 ) {
     let _running = stopwatch.start();
     let Some(world) = world.get() else { return };
