@@ -43,7 +43,7 @@ const MOST_VIA: usize = 32;
 ///         Keep(from: (1200, -300), to: (9000, 400)),
 ///     ],
 ///     patches: [
-///         (patch: "oval", at: (1400, -150), heading_deg: 30),
+///         (patch: "small square", at: (1400, -150), heading_deg: 30),
 ///     ],
 /// )"#)?;
 /// assert_eq!(edits.settlements.len(), 2);
