@@ -1,7 +1,7 @@
 //! Layer 2, first half: settlements on jittered lattices, one lattice for each size class.
 //!
 //! Makes the settlements of a lattice cell. Reads the terrain around the cell and the settlements of higher tiers within the
-//! distance at which two settlements conflict, which is the padding that [`Lattices`](lattice::Lattices) declares.
+//! distance at which two settlements conflict, which is the padding that `Lattices` declares.
 //!
 //! Each lattice cell tries a few places and takes the most suitable one. A place that conflicts with a settlement of a
 //! higher tier is dropped. When two settlements of one tier conflict, the one with the higher rank (a hash) stays. Both rules
