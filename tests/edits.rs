@@ -254,7 +254,7 @@ fn a_world_far_out_has_way_points_too() {
     for point in far.roads().way_points() {
         let area = far.area(Bounds::square(point.centre.plan(), 100.0), &cancel).expect("it can be made");
         let junction = far.roads().way_point_junction(point.id);
-        let at = area.junctions.iter().find(|j| j.it.id == junction).map(|j| area.origin.to_plan(j.it.at));
+        let at = area.junctions.iter().find(|j| j.item.id == junction).map(|j| area.origin.to_plan(j.item.at));
         assert!(at.is_none_or(|at| at == point.centre.plan()));
     }
 }

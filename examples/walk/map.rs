@@ -39,15 +39,15 @@ pub fn draw(world: &World, tour: &Tour, seed: u64) -> Result<String, Box<dyn Err
     ground(&mut svg, world, bounds, scale)?;
     let mut buildings = String::new();
     for building in &area.footprints {
-        buildings += &path(&mut building.it.polygon.iter().map(local), true);
+        buildings += &path(&mut building.item.polygon.iter().map(local), true);
     }
     writeln!(svg, "<path d=\"{buildings}\" fill=\"#b9aa9c\" stroke=\"#9c8c7d\" stroke-width=\"0.4\"/>")?;
     // Casings first, then the carriageways, narrow streets below wide ones.
     for (casing, colour) in [(2.0, "#8d8d87"), (0.0, "")] {
         for class in StreetClass::ALL.into_iter().rev() {
             let mut d = String::new();
-            for street in area.streets.iter().filter(|s| s.it.street.class == class && !s.it.street.tunnel) {
-                d += &path(&mut street.it.street.line.iter().map(local), false);
+            for street in area.streets.iter().filter(|s| s.item.street.class == class && !s.item.street.tunnel) {
+                d += &path(&mut street.item.street.line.iter().map(local), false);
             }
             let fill = if casing > 0.0 { colour } else { fill(class) };
             let stroke = class.carriageway() * scale + casing;

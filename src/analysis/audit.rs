@@ -53,7 +53,7 @@ type Piece = GeomWithData<Rectangle<[f64; 2]>, (usize, usize)>;
 /// All findings in an area, an empty list when every promise is kept. What depends on things outside the area's box (dead
 /// ends and settlements at its border) is left out.
 pub fn audit(area: &Area) -> Vec<Finding> {
-    let streets: Vec<&Street> = area.streets.iter().map(|s| &s.it.street).collect();
+    let streets: Vec<&Street> = area.streets.iter().map(|s| &s.item.street).collect();
     let pieces = streets.iter().enumerate().flat_map(|(i, s)| {
         segments(&s.line).enumerate().map(move |(k, (a, b))| {
             Piece::new(Rectangle::from_corners(a.min(b).to_array(), a.max(b).to_array()), (i, k))
@@ -104,7 +104,7 @@ impl Audit<'_> {
     }
 
     fn ends(&mut self) {
-        let at: BTreeMap<JunctionId, DVec2> = self.area.junctions.iter().map(|j| (j.it.id, j.it.at)).collect();
+        let at: BTreeMap<JunctionId, DVec2> = self.area.junctions.iter().map(|j| (j.item.id, j.item.at)).collect();
         let by_place: BTreeMap<[u64; 2], JunctionId> =
             at.iter().map(|(id, p)| ([p.x.to_bits(), p.y.to_bits()], *id)).collect();
         if by_place.len() != at.len() {
@@ -134,7 +134,7 @@ impl Audit<'_> {
         }
         let inside = self.area.bounds.grown(-2.0 * NEAR_MISS).moved(-self.area.origin.plan());
         for junction in &self.area.junctions {
-            let (id, p) = (junction.it.id, junction.it.at);
+            let (id, p) = (junction.item.id, junction.item.at);
             if degree.get(&id) != Some(&1) || !inside.contains(p) {
                 continue;
             }
@@ -204,7 +204,7 @@ impl Audit<'_> {
 
     fn buildings(&mut self) {
         for footprint in &self.area.footprints {
-            let polygon = &footprint.it.polygon;
+            let polygon = &footprint.item.polygon;
             let bounds = Bounds::of(polygon.iter().copied());
             let on_street = self.near(bounds.grown(10.0)).into_iter().any(|piece| {
                 let (a, b) = self.segment(piece);
@@ -223,7 +223,7 @@ impl Audit<'_> {
 pub fn unreached_gates(area: &Area, origin: Origin, outline: &[DVec2]) -> Vec<DVec2> {
     let offset = origin.offset_to(area.origin);
     let mut ends: BTreeMap<JunctionId, (bool, bool, DVec2)> = BTreeMap::new();
-    for s in area.streets.iter().map(|s| &s.it.street) {
+    for s in area.streets.iter().map(|s| &s.item.street) {
         for (id, at) in [(s.from, s.line[0]), (s.to, point_at(&s.line, f64::INFINITY).0)] {
             let entry = ends.entry(id).or_insert((false, false, at));
             if s.class.is_road() { entry.0 = true } else { entry.1 = true }

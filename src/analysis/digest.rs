@@ -89,7 +89,7 @@ fn content(chunk: &Chunk, meshes: u64) -> [u64; LAYERS.len()] {
     }
     for block in &chunk.blocks {
         parcel.word(block.id);
-        parcel.word(u64::from(block.used_as == BlockUse::Park));
+        parcel.word(u64::from(block.land_use == BlockUse::Park));
         parcel.line(&block.polygon);
     }
     for lot in &chunk.lots {

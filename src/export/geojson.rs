@@ -56,23 +56,23 @@ fn settlements(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
 fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
     let origin = plan.area.origin.plan();
     for block in &plan.area.blocks {
-        let class = match block.it.used_as {
+        let class = match block.item.land_use {
             BlockUse::Built => "built",
             BlockUse::Park => "park",
         };
-        put(feature(polygon(&block.it.polygon, origin), owned("block", class, block.it.id, block.chunk)))?;
+        put(feature(polygon(&block.item.polygon, origin), owned("block", class, block.item.id, block.chunk)))?;
     }
     for lot in &plan.area.lots {
-        let mut of = owned("lot", "lot", lot.it.id, lot.chunk);
-        of.insert("block".into(), json!(hex(lot.it.block)));
-        of.insert("street".into(), json!(hex(lot.it.street.0)));
-        put(feature(polygon(&lot.it.polygon, origin), of))?;
+        let mut of = owned("lot", "lot", lot.item.id, lot.chunk);
+        of.insert("block".into(), json!(hex(lot.item.block)));
+        of.insert("street".into(), json!(hex(lot.item.street.0)));
+        put(feature(polygon(&lot.item.polygon, origin), of))?;
     }
     for building in &plan.area.footprints {
-        let mut of = owned("building", "building", building.it.id, building.chunk);
-        of.insert("lot".into(), json!(hex(building.it.lot)));
-        of.insert("storeys".into(), json!(building.it.storeys));
-        put(feature(polygon(&building.it.polygon, origin), of))?;
+        let mut of = owned("building", "building", building.item.id, building.chunk);
+        of.insert("lot".into(), json!(hex(building.item.lot)));
+        of.insert("storeys".into(), json!(building.item.storeys));
+        put(feature(polygon(&building.item.polygon, origin), of))?;
     }
     Ok(())
 }
@@ -81,7 +81,7 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
     let origin = plan.area.origin.plan();
     let mut widest: BTreeMap<JunctionId, StreetClass> = BTreeMap::new();
     for street in &plan.area.streets {
-        let it = &street.it.street;
+        let it = &street.item.street;
         for end in [it.from, it.to] {
             widest.entry(end).and_modify(|c| *c = it.class.min(*c)).or_insert(it.class);
         }
@@ -101,9 +101,9 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         put(feature(GeometryValue::LineString { coordinates }, of))?;
     }
     for junction in &plan.area.junctions {
-        let class = widest.get(&junction.it.id).copied().unwrap_or(StreetClass::Local);
-        let of = owned("junction", class.name(), junction.it.id.0, junction.chunk);
-        put(feature(GeometryValue::Point { coordinates: position(junction.it.at + origin) }, of))?;
+        let class = widest.get(&junction.item.id).copied().unwrap_or(StreetClass::Local);
+        let of = owned("junction", class.name(), junction.item.id.0, junction.chunk);
+        put(feature(GeometryValue::Point { coordinates: position(junction.item.at + origin) }, of))?;
     }
     Ok(())
 }
@@ -156,12 +156,12 @@ mod tests {
         let read: geojson::FeatureCollection = file.parse().unwrap();
         let street = &town.area.streets[0];
         // Not with serde_json, whose numbers may be off by the last bit unless its `float_roundtrip` is on.
-        let id = format!("\"id\":\"{}\"", hex(street.it.street.id.0));
+        let id = format!("\"id\":\"{}\"", hex(street.item.street.id.0));
         let text = file.lines().find(|l| l.contains(&id)).unwrap();
         let numbers = text.split("[[").nth(1).unwrap().split("]]").next().unwrap().replace("],[", ",");
         let numbers: Vec<f64> = numbers.split(',').map(|n| n.parse().unwrap()).collect();
         let back: Vec<DVec2> = numbers.chunks(2).map(|p| DVec2::new(p[0], p[1])).collect();
-        let line: Vec<DVec2> = street.it.street.line.iter().map(|p| town.area.origin.to_plan(*p)).collect();
+        let line: Vec<DVec2> = street.item.street.line.iter().map(|p| town.area.origin.to_plan(*p)).collect();
         assert_eq!(back, line);
         assert!(back.iter().all(|p| (*p / QUANTUM).round() * QUANTUM == *p));
         let kinds: std::collections::BTreeSet<_> =

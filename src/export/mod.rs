@@ -13,7 +13,7 @@ pub mod svg;
 
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
-use crate::region::{Outline, Road, RoadNetwork};
+use crate::region::{Outline, RoadNetwork, RoadSection};
 use crate::space::{Bounds, quantize};
 use crate::stack::{PlacedStreet, owner_of, street_owner};
 use crate::terrain::Terrain;
@@ -91,7 +91,7 @@ pub fn lines(bounds: Bounds, roads: impl IntoIterator<Item = RoadLine>, chunk_si
         (street.bridge, street.tunnel) = (road.bridge, road.tunnel);
         street.level = i8::from(road.bridge) - i8::from(road.tunnel);
         let chunk = street_owner(origin, &street, chunk_size);
-        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
+        area.streets.push(Owned { chunk, item: PlacedStreet { street, made_by: None } });
     }
     area
 }
@@ -110,7 +110,7 @@ pub struct RoadLine {
 }
 
 /// Puts pieces of road and their ends into an area without any.
-fn put_roads(area: &mut Area, roads: &[Arc<Road>], chunk_size: i64) {
+fn put_roads(area: &mut Area, roads: &[Arc<RoadSection>], chunk_size: i64) {
     let origin = area.origin;
     let mut junctions = BTreeMap::new();
     for road in roads {
@@ -118,11 +118,11 @@ fn put_roads(area: &mut Area, roads: &[Arc<Road>], chunk_size: i64) {
         let ends = [(street.from, street.line.first()), (street.to, street.line.last())];
         junctions.extend(ends.into_iter().filter_map(|(id, at)| Some((id, *at?))));
         let chunk = street_owner(origin, &street, chunk_size);
-        area.streets.push(Owned { chunk, it: PlacedStreet { street, made_by: None } });
+        area.streets.push(Owned { chunk, item: PlacedStreet { street, made_by: None } });
     }
     area.junctions = junctions
         .into_iter()
-        .map(|(id, at)| Owned { chunk: owner_of(origin, at, chunk_size), it: Junction { id, at } })
+        .map(|(id, at)| Owned { chunk: owner_of(origin, at, chunk_size), item: Junction { id, at } })
         .collect();
 }
 

@@ -40,10 +40,10 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
     // The format wants all nodes before the first way.
     let mut junctions = BTreeMap::new();
     for junction in &area.junctions {
-        junctions.insert(junction.it.id, file.node(junction.it.at, &[])?);
+        junctions.insert(junction.item.id, file.node(junction.item.at, &[])?);
     }
     let mut ways: Vec<(Vec<u64>, Tags)> = Vec::new();
-    for street in area.streets.iter().map(|s| &s.it.street) {
+    for street in area.streets.iter().map(|s| &s.item.street) {
         let (Some(&from), Some(&to)) = (junctions.get(&street.from), junctions.get(&street.to)) else {
             return Err(ExportError::Format(format!("street {:016x} ends at no junction", street.id.0)));
         };
@@ -69,12 +69,12 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
             let tags = [("place", size_name(settlement.size).to_owned()), ("name", settlement.name.clone())];
             file.node(area.origin.to_local(settlement.centre.plan()), &tags)?;
         }
-        for block in area.blocks.iter().filter(|b| b.it.used_as == BlockUse::Park) {
-            ways.push((file.ring(&block.it.polygon)?, vec![("leisure", "park".into())]));
+        for block in area.blocks.iter().filter(|b| b.item.land_use == BlockUse::Park) {
+            ways.push((file.ring(&block.item.polygon)?, vec![("leisure", "park".into())]));
         }
         for building in &area.footprints {
-            let levels = ("building:levels", building.it.storeys.to_string());
-            ways.push((file.ring(&building.it.polygon)?, vec![("building", "yes".into()), levels]));
+            let levels = ("building:levels", building.item.storeys.to_string());
+            ways.push((file.ring(&building.item.polygon)?, vec![("building", "yes".into()), levels]));
         }
     }
     for (i, (nodes, tags)) in ways.iter().enumerate() {
@@ -173,7 +173,7 @@ mod tests {
         let town = testing::area(DVec2::ZERO);
         let file = text(Options::default());
         let streets = town.area.streets.len();
-        let inner: usize = town.area.streets.iter().map(|s| s.it.street.line.len() - 2).sum();
+        let inner: usize = town.area.streets.iter().map(|s| s.item.street.line.len() - 2).sum();
         assert_eq!(file.matches("<way ").count(), streets);
         assert_eq!(file.matches("k=\"highway\"").count(), streets);
         assert_eq!(file.matches("<node ").count(), town.area.junctions.len() + inner);

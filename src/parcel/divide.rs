@@ -31,8 +31,8 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
         let mut rng = brief.seed.stream("parcel", &[brief.id.0, id]);
         let park = rng.chance(brief.rules.parks) && is_enclosed(&shape);
         let parcels = if park { Vec::new() } else { lots(&shape, brief.rules, &mut rng) };
-        let used_as = if parcels.is_empty() { BlockUse::Park } else { BlockUse::Built };
-        out.blocks.push(Block { id, polygon: shape.polygon, used_as });
+        let land_use = if parcels.is_empty() { BlockUse::Park } else { BlockUse::Built };
+        out.blocks.push(Block { id, polygon: shape.polygon, land_use });
         for lot in parcels {
             let polygon: Vec<DVec2> = lot.polygon.iter().map(|p| quantize(*p)).collect();
             let lot_id = stable_hash(&[id, word(polygon[0]), word(polygon[1])]);

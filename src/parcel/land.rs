@@ -20,7 +20,7 @@ pub struct Block {
     /// Counter-clockwise, in metres.
     pub polygon: Vec<DVec2>,
     /// What the block is used for.
-    pub used_as: BlockUse,
+    pub land_use: BlockUse,
 }
 
 /// A parcel of a block.

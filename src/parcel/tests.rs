@@ -179,7 +179,7 @@ fn random_cells_keep_every_promise() {
                 edges(&cell.border).iter().any(|e| segment_distance(*p, *p, e.0, e.1) < 0.02)
             }));
             let own: Vec<_> = parcels.lots.iter().filter(|l| l.block == block.id).collect();
-            assert_eq!(own.is_empty(), block.used_as == BlockUse::Park);
+            assert_eq!(own.is_empty(), block.land_use == BlockUse::Park);
             let area: f64 = own.iter().map(|l| signed_area(&l.polygon)).sum();
             assert!(area <= signed_area(&block.polygon));
             for (i, lot) in own.iter().enumerate() {
@@ -226,7 +226,7 @@ fn a_cell_of_slivers_or_without_streets_gives_nothing_to_build_on() {
     assert_eq!(divided(1, &triangle, &ParcelRules::default()), CellParcels::default());
     let square = [(0., 0.), (90., 0.), (90., 90.), (0., 90.)].map(|(x, y)| DVec2::new(x, y)).to_vec();
     let parcels = divided(1, &Cell { border: square, streets: vec![] }, &ParcelRules::default());
-    assert_eq!((parcels.blocks.len(), parcels.lots.len(), parcels.blocks[0].used_as), (1, 0, BlockUse::Park));
+    assert_eq!((parcels.blocks.len(), parcels.lots.len(), parcels.blocks[0].land_use), (1, 0, BlockUse::Park));
     assert_eq!(divided(1, &Cell { border: vec![], streets: vec![] }, &ParcelRules::default()), CellParcels::default());
 }
 

@@ -12,8 +12,10 @@ mod settlements;
 
 pub use gate::Gate;
 pub use outline::{Border, Outline, SharedBorder, Waterway};
-pub(crate) use road::{CLEARANCE, rise};
-pub use road::{Crossing, Link, NetworkError, NetworkTask, Road, RoadNetwork, RoadSettings, Roads, TierSettings};
+pub use road::{
+    Crossing, Link, NetworkError, NetworkTask, RoadNetwork, RoadSection, RoadSettings, Roads, TierSettings,
+};
+pub(crate) use road::{OVERPASS_CLEARANCE, overpass_profile};
 pub use settlement::{
     PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable,
 };

@@ -3,7 +3,7 @@
 
 use super::edge::SeamSide;
 use super::point::StreetPoint;
-use super::port::{STUB_CLEARANCE, STUB_LENGTH};
+use super::port::{APPROACH_CLEARANCE, APPROACH_LENGTH};
 use super::side::StreetSide;
 use crate::space::math::angle_between;
 use crate::space::{Bounds, distance_to_segment, segment_distance};
@@ -11,8 +11,8 @@ use crate::town::{CellUse, MainCell};
 use glam::DVec2;
 
 /// Distance of an approach from the cell's other sides, in metres. With it, approaches from different sides keep
-/// [`STUB_CLEARANCE`] from each other whatever the other sides propose, so a street need not know the ports of others.
-const ROOM: f64 = STUB_LENGTH + STUB_CLEARANCE + 2.0;
+/// [`APPROACH_CLEARANCE`] from each other whatever the other sides propose, so a street need not know the ports of others.
+const ROOM: f64 = APPROACH_LENGTH + APPROACH_CLEARANCE + 2.0;
 /// Bend of a side, in radians, up to which its parts count as one run.
 const BEND: f64 = 0.6;
 
@@ -20,10 +20,10 @@ const BEND: f64 = 0.6;
 pub(super) fn has_room(seam: &SeamSide, point: &StreetPoint) -> bool {
     let (main, hand) = (seam.main, seam.side);
     let street = &seam.town.mains[main];
-    let is_built = |c: &&MainCell| c.used_as == CellUse::Built;
+    let is_built = |c: &&MainCell| c.cell_use == CellUse::Built;
     let Some(cell) = seam.town.cells.get(hand.cell(street)).filter(is_built) else { return false };
     let (from, inward) = (point.at + seam.shift, point.inward(hand));
-    let tip = from + inward * STUB_LENGTH;
+    let tip = from + inward * APPROACH_LENGTH;
     let reach = Bounds::of([from, tip]).grown(ROOM);
     let n = cell.border.len();
     cell.sides.iter().all(|side| {
@@ -36,14 +36,14 @@ pub(super) fn has_room(seam: &SeamSide, point: &StreetPoint) -> bool {
             let segment = if side.forward { i } else { side.count - 1 - i };
             if !own {
                 // No approach comes from a side without a street.
-                let room = if side.main.is_some() { ROOM } else { STUB_CLEARANCE + 2.0 };
+                let room = if side.main.is_some() { ROOM } else { APPROACH_CLEARANCE + 2.0 };
                 return segment_distance(from, tip, a, b) >= room;
             }
             if !is_one_run(&street.street.line, segment, point) {
-                return segment_distance(from.lerp(tip, 0.5), tip, a, b) >= STUB_CLEARANCE + 1.0;
+                return segment_distance(from.lerp(tip, 0.5), tip, a, b) >= APPROACH_CLEARANCE + 1.0;
             }
             // A run that bends towards the approach must not come near its end.
-            segment == point.segment || distance_to_segment(tip, a, b) >= STUB_CLEARANCE + 1.0
+            segment == point.segment || distance_to_segment(tip, a, b) >= APPROACH_CLEARANCE + 1.0
         })
     })
 }

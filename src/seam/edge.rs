@@ -10,7 +10,7 @@ use glam::DVec2;
 
 /// A town and the styles of its main cells.
 #[derive(Clone, Copy, Debug)]
-pub struct Across<'a> {
+pub struct TownAndStyles<'a> {
     /// Its plan.
     pub town: &'a Town,
     /// The style of each of its main cells.
@@ -19,25 +19,25 @@ pub struct Across<'a> {
 
 /// A town with the ports that each of its cells proposes.
 pub(super) struct TownProposals<'a> {
-    pub of: Across<'a>,
+    pub of: TownAndStyles<'a>,
     by_cell: Vec<Vec<PortProposal>>,
 }
 
 impl<'a> TownProposals<'a> {
     /// The proposals of the town whose seams are asked for.
-    pub fn of_own(seed: Seed, town: Across<'a>) -> Self {
+    pub fn of_own(seed: Seed, town: TownAndStyles<'a>) -> Self {
         Self::of_cells(seed, town, |_| true)
     }
 
     /// The proposals of a town across a border: only cells at borders propose.
-    pub fn of_neighbour(seed: Seed, town: Across<'a>) -> Self {
+    pub fn of_neighbour(seed: Seed, town: TownAndStyles<'a>) -> Self {
         let has_border = |main: usize| town.town.mains[main].border.is_some();
         Self::of_cells(seed, town, |cell| cell.sides.iter().any(|s| s.main.is_some_and(has_border)))
     }
 
-    fn of_cells(seed: Seed, of: Across<'a>, proposes: impl Fn(&MainCell) -> bool) -> Self {
+    fn of_cells(seed: Seed, of: TownAndStyles<'a>, proposes: impl Fn(&MainCell) -> bool) -> Self {
         let by_cell = of.town.cells.iter().zip(of.styles).map(|(cell, style)| {
-            let asked = cell.used_as == CellUse::Built && proposes(cell);
+            let asked = cell.cell_use == CellUse::Built && proposes(cell);
             if asked { propose(seed, of.town, cell, style) } else { Vec::new() }
         });
         Self { of, by_cell: by_cell.collect() }

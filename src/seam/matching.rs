@@ -1,7 +1,7 @@
 //! Matching the ports that both sides of a main street propose.
 
 use super::clearance::has_room;
-use super::edge::{Across, SeamEdge, SeamSide, TownProposals};
+use super::edge::{SeamEdge, SeamSide, TownAndStyles, TownProposals};
 use super::pairing::pair;
 use super::point::StreetPoint;
 use super::port::{Port, Seam};
@@ -64,8 +64,8 @@ impl Attachment {
 /// crossing, and a proposal that stays alone becomes a T. Cells that got fewer ports than their style asks for then get more
 /// where there is room. Along a border each of the two towns proposes for its side from its own styles, and both find the same
 /// ports.
-pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[Across<'_>]) -> Vec<Seam> {
-    let own = Across { town, styles };
+pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[TownAndStyles<'_>]) -> Vec<Seam> {
+    let own = TownAndStyles { town, styles };
     let towns: Vec<TownProposals> = std::iter::once(TownProposals::of_own(seed, own))
         .chain(across.iter().map(|other| TownProposals::of_neighbour(seed, *other)))
         .collect();
@@ -167,9 +167,9 @@ fn cutoff(style: &Style, on_border: bool) -> f64 {
 
 /// Gives cells with fewer ports than their style asks for more of them, where there is room: a T, or else the other arm of one.
 /// Leaves borders alone, since the other town would have to know.
-fn supply_cells(own: Across<'_>, edges: &[SeamEdge], all: &mut [Vec<Attachment>]) {
+fn supply_cells(own: TownAndStyles<'_>, edges: &[SeamEdge], all: &mut [Vec<Attachment>]) {
     let town = own.town;
-    for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.used_as == CellUse::Built) {
+    for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.cell_use == CellUse::Built) {
         let mut sides: Vec<(usize, StreetSide)> =
             cell.sides.iter().filter_map(|s| Some((s.main?, StreetSide::of(s)))).collect();
         sides.sort_by(|a, b| {

@@ -17,6 +17,6 @@ mod side;
 mod tests;
 
 pub use cut::{cell_ports, main_network, shared_streets};
-pub use edge::Across;
+pub use edge::TownAndStyles;
 pub use matching::seams;
-pub use port::{CellPort, Port, STUB_CLEARANCE, STUB_LENGTH, Seam};
+pub use port::{APPROACH_CLEARANCE, APPROACH_LENGTH, CellPort, Port, Seam};

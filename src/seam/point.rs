@@ -1,6 +1,6 @@
 //! Points of a main street where ports could be.
 
-use super::port::{STUB_CLEARANCE, STUB_LENGTH};
+use super::port::{APPROACH_CLEARANCE, APPROACH_LENGTH};
 use super::side::StreetSide;
 use crate::space::{left_normal, quantize, segment_distance, segments};
 use glam::DVec2;
@@ -51,7 +51,7 @@ impl StreetPoint {
 
     /// Whether the approaches of two points of one street are far enough apart on one side.
     pub fn is_clear_of(&self, other: &Self, side: StreetSide) -> bool {
-        let end = |p: &Self| p.at + p.inward(side) * STUB_LENGTH;
-        segment_distance(self.at, end(self), other.at, end(other)) >= STUB_CLEARANCE + 2.0
+        let end = |p: &Self| p.at + p.inward(side) * APPROACH_LENGTH;
+        segment_distance(self.at, end(self), other.at, end(other)) >= APPROACH_CLEARANCE + 2.0
     }
 }

@@ -4,11 +4,11 @@ use crate::network::{JunctionId, StreetClass};
 use glam::DVec2;
 
 /// Length of the straight approach that every port is sure to have room for, in metres.
-pub const STUB_LENGTH: f64 = 20.0;
+pub const APPROACH_LENGTH: f64 = 20.0;
 
 /// Least distance of an approach from any other approach and from any part of the cell's border but the side that it starts
 /// on, in metres.
-pub const STUB_CLEARANCE: f64 = 14.0;
+pub const APPROACH_CLEARANCE: f64 = 14.0;
 
 /// An attachment point on a main street.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +39,8 @@ pub struct CellPort {
     pub junction: JunctionId,
     /// Its position, local to the town.
     pub at: DVec2,
-    /// Unit direction into the cell, square to the main street. The approach, a segment of [`STUB_LENGTH`] from `at` along it,
-    /// lies in the cell, [`STUB_CLEARANCE`] away from the approaches of all other ports and from the cell's other sides.
+    /// Unit direction into the cell, square to the main street. The approach, a segment of [`APPROACH_LENGTH`] from `at` along it,
+    /// lies in the cell, [`APPROACH_CLEARANCE`] away from the approaches of all other ports and from the cell's other sides.
     pub inward: DVec2,
     /// Class of the street that attaches.
     pub class: StreetClass,

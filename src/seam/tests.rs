@@ -49,9 +49,9 @@ fn check(case: &SettlementCase, what: &str) -> (usize, usize) {
         let ports = cell_ports(&town, &seams, index);
         let cell = &town.cells[index];
         met += ports.len();
-        poor += usize::from(ports.len() < 2 && cell.used_as == CellUse::Built);
-        assert!(ports.is_empty() || cell.used_as == CellUse::Built, "{what}: a port in an open place");
-        let approach = |p: &CellPort| (p.at + p.inward * 0.01, p.at + p.inward * STUB_LENGTH);
+        poor += usize::from(ports.len() < 2 && cell.cell_use == CellUse::Built);
+        assert!(ports.is_empty() || cell.cell_use == CellUse::Built, "{what}: a port in an open place");
+        let approach = |p: &CellPort| (p.at + p.inward * 0.01, p.at + p.inward * APPROACH_LENGTH);
         for (i, port) in ports.iter().enumerate() {
             let (a, b) = approach(port);
             assert!((port.inward.length() - 1.0).abs() < 1e-9);
@@ -72,10 +72,10 @@ fn check(case: &SettlementCase, what: &str) -> (usize, usize) {
                 })
                 .unwrap();
             let distance = other_sides(&town, index, main, forward, a, b);
-            assert!(distance >= STUB_CLEARANCE, "{what}: an approach is {distance} m from another side");
+            assert!(distance >= APPROACH_CLEARANCE, "{what}: an approach is {distance} m from another side");
             for other in &ports[i + 1..] {
                 let (c, d) = approach(other);
-                assert!(segment_distance(a, b, c, d) >= STUB_CLEARANCE, "{what}: approaches are near each other");
+                assert!(segment_distance(a, b, c, d) >= APPROACH_CLEARANCE, "{what}: approaches are near each other");
             }
         }
     }
@@ -174,7 +174,7 @@ fn cells_with_room_have_ports_and_open_spaces_have_none() {
         let seams = seams(case.seed, &town, &vec![&case.style; town.cells.len()], &[]);
         for (index, cell) in town.cells.iter().enumerate() {
             let ports = cell_ports(&town, &seams, index).len();
-            if cell.used_as != CellUse::Built {
+            if cell.cell_use != CellUse::Built {
                 assert_eq!(ports, 0, "case {number}");
                 continue;
             }

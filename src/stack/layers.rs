@@ -9,7 +9,7 @@ use crate::network::{JunctionId, Street, StreetClass};
 use crate::parcel::{self, CellParcels, ParcelBrief};
 use crate::patch::PatchSet;
 use crate::region::{Roads, Settlement, SettlementId, Settlements};
-use crate::seam::{self, Across};
+use crate::seam::{self, TownAndStyles};
 use crate::space::{Bounds, Seed};
 use crate::streets::{CellStreets, Fillers};
 use crate::style::{ParcelRules, Style};
@@ -138,8 +138,8 @@ impl Stack {
                 plan.cells.iter().map(|cell| &*cell.style).collect()
             }
             let theirs: Vec<Vec<&Style>> = touched.iter().map(|plan| styles(plan)).collect();
-            let across: Vec<Across> =
-                touched.iter().zip(&theirs).map(|(plan, styles)| Across { town: &plan.town, styles }).collect();
+            let across: Vec<TownAndStyles> =
+                touched.iter().zip(&theirs).map(|(plan, styles)| TownAndStyles { town: &plan.town, styles }).collect();
             let seams = seam::seams(self.seed, &plan.town, &styles(&plan), &across);
             let mains = seam::main_network(&plan.town, &seams);
             let shared = seam::shared_streets(&plan.town, &seams);
@@ -164,7 +164,7 @@ impl Stack {
         self.parcels.get(&(plan.settlement.id, cell), || {
             let local = self.streets(town, cell, cancel)?;
             let of = &plan.cells[cell];
-            if of.used_as == CellUse::Water {
+            if of.cell_use == CellUse::Water {
                 return Ok(CellParcels::default());
             }
             let near = Bounds::of(of.border.iter().copied()).grown(StreetClass::Highway.half_width());
@@ -178,7 +178,7 @@ impl Stack {
                 id: of.id,
                 border: &of.border,
                 streets: &streets,
-                rules: if of.used_as == CellUse::Open { &park } else { rules },
+                rules: if of.cell_use == CellUse::Open { &park } else { rules },
                 centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)

@@ -23,7 +23,7 @@ impl Stack {
                 wishes.entry(cell).or_default().push(index);
             }
         }
-        let built: Vec<usize> = (0..town.cells.len()).filter(|i| town.cells[*i].used_as == CellUse::Built).collect();
+        let built: Vec<usize> = (0..town.cells.len()).filter(|i| town.cells[*i].cell_use == CellUse::Built).collect();
         let edges: Vec<CellEdges> = built.iter().map(|cell| CellEdges::of(town, seams, *cell)).collect();
         let pinned = |index: &usize| {
             let edit = &self.pins[*index];
@@ -87,6 +87,6 @@ impl Stack {
 fn cell_at(town: &Town, plan: DVec2) -> Option<usize> {
     let at = town.origin.to_local(plan);
     let reach = town.settlement.radius * 1.1;
-    let holds = |c: &MainCell| c.used_as == CellUse::Built && point_in_polygon(at, &c.border);
+    let holds = |c: &MainCell| c.cell_use == CellUse::Built && point_in_polygon(at, &c.border);
     (at.length() <= reach).then(|| town.cells.iter().position(holds)).flatten()
 }

@@ -5,7 +5,7 @@ use super::fillers::Fillers;
 use super::sample::{Sample, patch_sets, styles};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, Street};
-use crate::seam::STUB_LENGTH;
+use crate::seam::APPROACH_LENGTH;
 use crate::space::{
     cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing, segment_distance,
     segments,
@@ -148,8 +148,8 @@ pub fn defects(cell: &Sample<'_>, out: &CellStreets) -> Vec<String> {
             }
             // The seam answers for the distance of stubs and their ends from the border.
             let off = |id: JunctionId, at: DVec2| {
-                let stub_end = cell.ports.iter().any(|x| (x.at + x.inward * STUB_LENGTH).distance(at) < 0.01);
-                if ports.contains_key(&id) { STUB_LENGTH + 8.0 } else { f64::from(u8::from(stub_end)) * 8.0 }
+                let stub_end = cell.ports.iter().any(|x| (x.at + x.inward * APPROACH_LENGTH).distance(at) < 0.01);
+                if ports.contains_key(&id) { APPROACH_LENGTH + 8.0 } else { f64::from(u8::from(stub_end)) * 8.0 }
             };
             let n = a.line.len();
             let (from, to) = (off(a.from, a.line[0]), a.length() - off(a.to, a.line[n - 1]));

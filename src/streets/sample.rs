@@ -2,7 +2,7 @@
 
 use crate::network::{JunctionId, StreetClass};
 use crate::patch::PatchSet;
-use crate::seam::{CellPort, STUB_CLEARANCE, STUB_LENGTH};
+use crate::seam::{APPROACH_CLEARANCE, APPROACH_LENGTH, CellPort};
 use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
 use crate::streets::filler::CellBrief;
 use crate::style::{FieldKind, Style};
@@ -143,17 +143,17 @@ fn add_ports(
     while along < length - 38.0 {
         let (at, heading) = point_at(line, along);
         let (at, inward) = (quantize(at), heading.perp());
-        let (from, to) = (at + inward * 0.5, at + inward * STUB_LENGTH);
+        let (from, to) = (at + inward * 0.5, at + inward * APPROACH_LENGTH);
         let clear_of = |other: &[DVec2]| {
-            crate::space::segments(other).all(|(a, b)| segment_distance(from, to, a, b) >= STUB_CLEARANCE)
+            crate::space::segments(other).all(|(a, b)| segment_distance(from, to, a, b) >= APPROACH_CLEARANCE)
         };
         // A side walked back along the same street touches the port; it is not another side.
         let others = sides.iter().enumerate().filter(|(k, x)| *k != own && !x.0.iter().rev().eq(line.iter()));
         let clear = others.into_iter().all(|(_, x)| clear_of(&x.0));
         let crosses = crate::space::segments(line).any(|(a, b)| segment_crossing(from, to, a, b).is_some());
         let apart = ports.iter().all(|p| {
-            let far = p.at + p.inward * STUB_LENGTH;
-            p.at == at || segment_distance(from, to, p.at, far) >= STUB_CLEARANCE
+            let far = p.at + p.inward * APPROACH_LENGTH;
+            p.at == at || segment_distance(from, to, p.at, far) >= APPROACH_CLEARANCE
         });
         if clear && apart && !crosses && point_in_polygon(to, border) {
             let junction = JunctionId::of(&[at.x.to_bits(), at.y.to_bits()]);

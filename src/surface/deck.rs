@@ -1,7 +1,7 @@
 //! Decks of bridges: what one stands on where there is no ground underfoot.
 
 use crate::network::{Street, StreetId};
-use crate::region::{CLEARANCE, rise};
+use crate::region::{OVERPASS_CLEARANCE, overpass_profile};
 use crate::space::{Bounds, closest_on_segment, cut_line, left_normal, resample, segment_crossing, segments};
 use crate::surface::junction::junction_reach;
 use glam::DVec2;
@@ -68,10 +68,11 @@ impl Deck {
         }
         let crossings = crossings(&line, below);
         for (point, crossing) in &crossings {
-            let lift = (floor(*point) + ROAD_LIFT + CLEARANCE - straight(crossing / length)).max(0.0);
+            let lift = (floor(*point) + ROAD_LIFT + OVERPASS_CLEARANCE - straight(crossing / length)).max(0.0);
             for (height, at) in heights.iter_mut().zip(&along) {
                 let reach = if at < crossing { *crossing } else { length - crossing };
-                *height = height.max(straight(at / length) + lift * rise((at - crossing) / reach.max(1e-3)));
+                *height =
+                    height.max(straight(at / length) + lift * overpass_profile((at - crossing) / reach.max(1e-3)));
             }
         }
         let crossings = crossings.into_iter().map(|(point, _)| point).collect();
@@ -146,7 +147,7 @@ mod tests {
         let ground = |p: DVec2| 40.0 + 0.02 * p.x;
         let deck = Deck::new(&Street { bridge: true, level: 1, ..bridge }, &[highway], ground);
         assert_eq!(deck.crossings, [DVec2::ZERO]);
-        assert!(deck.height(DVec2::ZERO).unwrap() > ground(DVec2::ZERO) + CLEARANCE - 0.3);
+        assert!(deck.height(DVec2::ZERO).unwrap() > ground(DVec2::ZERO) + OVERPASS_CLEARANCE - 0.3);
         assert!(deck.heights[0] < ground(deck.line[0]) + ROAD_LIFT + 0.01, "it begins on the ground");
     }
 }

@@ -45,10 +45,10 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
     let name = |i: usize, j: usize| JunctionId::of(&[i as u64, j as u64]);
     let (mut junctions, mut streets) = (Vec::new(), Vec::new());
     let mut put = |street: Street, made_by: Option<MadeBy>| {
-        streets.push(Owned { chunk: chunk(street.line[0]), it: PlacedStreet { street, made_by } });
+        streets.push(Owned { chunk: chunk(street.line[0]), item: PlacedStreet { street, made_by } });
     };
     for (i, j) in (0..N * N).map(|k| (k % N, k / N)) {
-        junctions.push(Owned { chunk: chunk(at(i, j)), it: Junction { id: name(i, j), at: at(i, j) } });
+        junctions.push(Owned { chunk: chunk(at(i, j)), item: Junction { id: name(i, j), at: at(i, j) } });
         for (k, l) in [(i + 1, j), (i, j + 1)] {
             if k < N && l < N {
                 let edge = [i, j, k, l].map(|w| w as u64);
@@ -65,7 +65,7 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
     let (west, east) = (DVec2::new(-380.0, -130.0), DVec2::new(380.0, -110.5));
     let (from, to) = (JunctionId::of(&[100]), JunctionId::of(&[101]));
     for (id, at) in [(from, west), (to, east)] {
-        junctions.push(Owned { chunk: chunk(at), it: Junction { id, at } });
+        junctions.push(Owned { chunk: chunk(at), item: Junction { id, at } });
     }
     let mut road = Street::new(StreetId::of(&[100]), StreetClass::Major, from, to, vec![west, east]);
     (road.level, road.bridge) = (1, true);
@@ -80,18 +80,18 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
     for (k, street) in streets.iter().enumerate().take((N - 1) * (N - 1)) {
         let middle = (at(k % (N - 1), k / (N - 1)) + at(k % (N - 1) + 1, k / (N - 1) + 1)) / 2.0;
         let (chunk, id) = (chunk(middle), k as u64 + 1000);
-        let used_as = if k == 5 { BlockUse::Park } else { BlockUse::Built };
-        blocks.push(Owned { chunk, it: Block { id, polygon: square(middle, 28.0), used_as } });
+        let land_use = if k == 5 { BlockUse::Park } else { BlockUse::Built };
+        blocks.push(Owned { chunk, item: Block { id, polygon: square(middle, 28.0), land_use } });
         for (n, side) in [(0, -14.0), (1, 14.0)] {
             let (id, at) = (id * 10 + n, middle + DVec2::new(side, side));
-            let street = street.it.street.id;
-            lots.push(Owned { chunk, it: Lot { id, block: k as u64 + 1000, polygon: square(at, 14.0), street } });
+            let street = street.item.street.id;
+            lots.push(Owned { chunk, item: Lot { id, block: k as u64 + 1000, polygon: square(at, 14.0), street } });
             let building = Footprint { id: id + 50_000, lot: id, polygon: square(at, 8.0), storeys: 2 + n as u32 };
-            footprints.push(Owned { chunk, it: building });
+            footprints.push(Owned { chunk, item: building });
         }
     }
-    junctions.sort_by_key(|j| j.it.id);
-    streets.sort_by_key(|s| s.it.street.id);
+    junctions.sort_by_key(|j| j.item.id);
+    streets.sort_by_key(|s| s.item.street.id);
     let settlement = Settlement {
         id: SettlementId(77),
         centre: origin,

@@ -62,7 +62,7 @@ pub struct MainCell {
     /// Stable name.
     pub id: CellId,
     /// What the cell is for.
-    pub used_as: CellUse,
+    pub cell_use: CellUse,
     /// Border, counter-clockwise, with the cell on its left. A main street that ends inside the cell is walked on both
     /// sides, so points may repeat.
     pub border: Vec<DVec2>,

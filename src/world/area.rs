@@ -14,7 +14,7 @@ pub struct Owned<T> {
     /// The chunk.
     pub chunk: ChunkCoord,
     /// The thing.
-    pub it: T,
+    pub item: T,
 }
 
 /// Everything that overlaps a box. Positions are local to `origin`.
@@ -66,11 +66,11 @@ impl Area {
         let origin = area.origin;
         for found in overlap.streets {
             let chunk = street_owner(found.origin, &found.item.street, size);
-            area.streets.push(Owned { chunk, it: found.item.moved(found.origin.offset_to(origin)) });
+            area.streets.push(Owned { chunk, item: found.item.moved(found.origin.offset_to(origin)) });
         }
         for found in overlap.junctions {
             let at = found.item.at + found.origin.offset_to(origin);
-            area.junctions.push(Owned { chunk: owner_of(origin, at, size), it: Junction { at, ..found.item } });
+            area.junctions.push(Owned { chunk: owner_of(origin, at, size), item: Junction { at, ..found.item } });
         }
         for (town, cell) in overlap.cells {
             cancel.check()?;
@@ -78,9 +78,9 @@ impl Area {
             let chunk = owner_of(from, town.town.cells[cell].anchor, size);
             area.unmet_ports += stack.streets(&town, cell, cancel)?.unmet.len();
             let parcels = stack.parcels(&town, cell, cancel)?;
-            area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, it: b.moved(offset) }));
-            area.lots.extend(parcels.lots.iter().map(|l| Owned { chunk, it: l.moved(offset) }));
-            area.footprints.extend(parcels.footprints.iter().map(|f| Owned { chunk, it: f.moved(offset) }));
+            area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, item: b.moved(offset) }));
+            area.lots.extend(parcels.lots.iter().map(|l| Owned { chunk, item: l.moved(offset) }));
+            area.footprints.extend(parcels.footprints.iter().map(|f| Owned { chunk, item: f.moved(offset) }));
         }
         Ok(area)
     }
@@ -88,8 +88,8 @@ impl Area {
     /// Streets and junctions alone.
     pub fn network(&self) -> Network {
         Network {
-            junctions: self.junctions.iter().map(|j| j.it).collect(),
-            streets: self.streets.iter().map(|s| s.it.street.clone()).collect(),
+            junctions: self.junctions.iter().map(|j| j.item).collect(),
+            streets: self.streets.iter().map(|s| s.item.street.clone()).collect(),
         }
     }
 }

@@ -319,10 +319,12 @@ fn roads_of_a_finite_domain() {
         assert!(picture.starts_with(magic), "{name}");
     }
     // A settings file changes what it names, and leaves the rest as it is without one.
-    let settings =
-        file("country.ron", "(roads: (highway: (turn: 60), major: (over_highways: Junction), minor: (gamma: inf)))")
-            .to_string_lossy()
-            .into_owned();
+    let settings = file(
+        "country.ron",
+        "(roads: (highway: (turn: 60), major: (highway_crossings: Junction), minor: (gamma: inf)))",
+    )
+    .to_string_lossy()
+    .into_owned();
     let by_file = run("inf", "by_file.geojson", &["--settings", &settings]).0;
     assert_eq!(by_file["totals"]["roads"], report["totals"]["roads"]);
     let mountains = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/settings/mountains.ron");

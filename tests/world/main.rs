@@ -173,7 +173,7 @@ fn neighbouring_chunks_join_and_own_everything_once() {
         let chunk = w.chunk(coord, &Cancel::new()).unwrap();
         for placed in &chunk.streets {
             let owned =
-                area.streets.iter().find(|s| s.it.street.id == placed.street.id).expect("areas hold all streets");
+                area.streets.iter().find(|s| s.item.street.id == placed.street.id).expect("areas hold all streets");
             assert_eq!(owned.chunk, coord);
         }
         streets += chunk.streets.len();
@@ -209,10 +209,10 @@ fn streets_do_not_tell_where_chunk_borders_are() {
         counts.add_area(outline.bounds(), 20.0, |p| outline.contains(p));
         let area = w.area(outline.bounds(), &Cancel::new()).unwrap();
         let inside = |p: DVec2| outline.contains(area.origin.to_plan(p));
-        for junction in area.junctions.iter().filter(|j| inside(j.it.at)) {
-            counts.add_junction(area.origin.to_plan(junction.it.at));
+        for junction in area.junctions.iter().filter(|j| inside(j.item.at)) {
+            counts.add_junction(area.origin.to_plan(junction.item.at));
         }
-        for street in area.streets.iter().map(|s| &s.it.street).filter(|s| inside(s.line[0])) {
+        for street in area.streets.iter().map(|s| &s.item.street).filter(|s| inside(s.line[0])) {
             counts.add_street(&street.line.iter().map(|p| area.origin.to_plan(*p)).collect::<Vec<_>>());
         }
     }
@@ -318,15 +318,15 @@ fn the_audit_sees_what_is_wrong() {
         w.settlements().centred_in_of(Bounds::square(DVec2::ZERO, 80_000.0), SizeClass::City).unwrap()[0].clone();
     let whole = w.area(Bounds::square(city.centre.plan(), 4000.0), &Cancel::new()).unwrap();
     let mut broken = whole.clone();
-    broken.streets[7].it.street.line[0].x += 40.0;
+    broken.streets[7].item.street.line[0].x += 40.0;
     let faults: Vec<Fault> = audit(&broken).iter().map(|f| f.what).collect();
     assert!(faults.contains(&Fault::LooseEnd), "{faults:?}");
     let mut cut = whole.clone();
-    cut.streets.retain(|s| s.it.street.class.is_road() || s.it.street.id.0 % 3 != 0);
+    cut.streets.retain(|s| s.item.street.class.is_road() || s.item.street.id.0 % 3 != 0);
     assert!(audit(&cut).iter().any(|f| f.what == Fault::Disconnected));
     let mut moved = whole;
     for f in &mut moved.footprints {
-        f.it.polygon.iter_mut().for_each(|p| *p += DVec2::splat(15.0));
+        f.item.polygon.iter_mut().for_each(|p| *p += DVec2::splat(15.0));
     }
     assert!(audit(&moved).iter().any(|f| f.what == Fault::BuildingOnStreet));
 }

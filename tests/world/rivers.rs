@@ -87,7 +87,7 @@ fn check_plan(world: &World, town: &Town, way: &Waterway, what: &str) -> usize {
             }
         }
     }
-    let water: Vec<_> = town.cells.iter().filter(|c| c.used_as == CellUse::Water).collect();
+    let water: Vec<_> = town.cells.iter().filter(|c| c.cell_use == CellUse::Water).collect();
     let area: f64 = water.iter().map(|c| signed_area(&c.border)).sum();
     assert!((area - signed_area(&way.bed())).abs() < 1.0, "{what}: the bed is not the river's cells");
     assert_eq!(water.len(), bridges + 1, "{what}");
@@ -138,17 +138,17 @@ fn nothing_is_built_in_rivers() {
             assert!(found.is_empty(), "{}", found[0]);
             let bed = outline.river.as_ref().unwrap().bed();
             for footprint in &area.footprints {
-                for p in &footprint.it.polygon {
+                for p in &footprint.item.polygon {
                     let plan = area.origin.to_plan(*p);
                     assert!(!wet(&world, plan), "a building in water at {plan}");
                     assert!(!point_in_polygon(outline.origin.to_local(plan), &bed), "a building in a bed at {plan}");
                 }
             }
-            for bridge in area.streets.iter().filter(|s| s.it.street.bridge && s.it.street.class.is_main()) {
-                check_deck(&world, &world.chunk(bridge.chunk, &Cancel::new()).unwrap(), &bridge.it.street);
+            for bridge in area.streets.iter().filter(|s| s.item.street.bridge && s.item.street.class.is_main()) {
+                check_deck(&world, &world.chunk(bridge.chunk, &Cancel::new()).unwrap(), &bridge.item.street);
             }
             let dry = |s: &Street| segments(&s.line).all(|(a, b)| !wet(&world, area.origin.to_plan(a.lerp(b, 0.5))));
-            let local = area.streets.iter().map(|s| &s.it.street).filter(|s| !s.class.is_road() && !s.bridge);
+            let local = area.streets.iter().map(|s| &s.item.street).filter(|s| !s.class.is_road() && !s.bridge);
             for street in local {
                 assert!(dry(street), "a street in water at {}", area.origin.to_plan(street.line[0]));
             }

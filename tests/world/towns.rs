@@ -94,7 +94,7 @@ fn a_pinned_patch_stands_where_it_is_pinned_or_is_rejected_alone() {
     let plain = world(WorldAssets::bundled(), Edits::default());
     let settlement = towns(&plain, "suburb").remove(0);
     let town = plain.town(&settlement, &never()).unwrap();
-    let mut cells: Vec<_> = town.town.cells.iter().filter(|c| c.used_as == CellUse::Built).collect();
+    let mut cells: Vec<_> = town.town.cells.iter().filter(|c| c.cell_use == CellUse::Built).collect();
     cells.sort_by_key(|c| stable_hash(&[c.id.0]));
     let wish = |patch: &str, at: DVec2, heading_deg: f64| PatchEdit {
         patch: patch.into(),

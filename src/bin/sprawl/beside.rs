@@ -53,11 +53,11 @@ pub fn area(map: &Map, chunk_size: i64) -> Area {
     let corners =
         [bounds.min, DVec2::new(bounds.max.x, bounds.min.y), bounds.max, DVec2::new(bounds.min.x, bounds.max.y)];
     let polygon = corners.map(|p| origin.to_local(p)).to_vec();
-    area.blocks.push(Owned { chunk: owner, it: Block { id: 0, polygon, used_as: BlockUse::Built } });
+    area.blocks.push(Owned { chunk: owner, item: Block { id: 0, polygon, land_use: BlockUse::Built } });
     for (i, building) in map.buildings.iter().enumerate() {
         let polygon = building.outline.iter().map(|p| origin.to_local(*p)).collect();
         let storeys = building.storeys.unwrap_or(STOREYS);
-        area.footprints.push(Owned { chunk: owner, it: Footprint { id: i as u64, lot: 0, polygon, storeys } });
+        area.footprints.push(Owned { chunk: owner, item: Footprint { id: i as u64, lot: 0, polygon, storeys } });
     }
     area
 }

@@ -198,7 +198,7 @@ fn gives_crossing(given: &Value, class: &str) -> bool {
         Value::Map(map) => map.iter().find(|(k, _)| **k == Value::String(name.into())).map(|(_, v)| v.clone()),
         _ => None,
     };
-    field(given, class).is_some_and(|of| field(&of, "over_highways").is_some())
+    field(given, class).is_some_and(|of| field(&of, "highway_crossings").is_some())
 }
 
 /// Settings of roads: those for a finite domain, with what a file says in their place.
@@ -217,7 +217,8 @@ fn roads(file: Option<&SettingsFile>, step: i64, gamma: Option<f64>) -> Result<R
             ("major", &mut out.major, &read.major, &kept.major),
             ("minor", &mut out.minor, &read.minor, &kept.minor),
         ] {
-            to.over_highways = if gives_crossing(&given, class) { read.over_highways } else { kept.over_highways };
+            to.highway_crossings =
+                if gives_crossing(&given, class) { read.highway_crossings } else { kept.highway_crossings };
         }
     }
     for tier in [&mut out.highway, &mut out.major, &mut out.minor] {

@@ -106,12 +106,12 @@ fn counts(world: &World, town: &Arc<Settlement>) -> Result<ChunkBorderCounts, La
     out.add_area(bounds, STEP, |p| outline.contains(p));
     let area = world.area(bounds, &Cancel::new())?;
     for junction in &area.junctions {
-        let at = area.origin.to_plan(junction.it.at);
+        let at = area.origin.to_plan(junction.item.at);
         if outline.contains(at) {
             out.add_junction(at);
         }
     }
-    for street in area.streets.iter().map(|s| &s.it.street).filter(|s| !s.class.is_road()) {
+    for street in area.streets.iter().map(|s| &s.item.street).filter(|s| !s.class.is_road()) {
         let line: Vec<DVec2> = street.line.iter().map(|p| area.origin.to_plan(*p)).collect();
         if outline.contains(point_at(&line, street.length() / 2.0).0) {
             out.add_street(&line);

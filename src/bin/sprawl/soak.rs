@@ -274,7 +274,7 @@ fn check_edited(world: &World) -> Result<City, LayerError> {
         let area = world.area(Bounds::square(at, AROUND), &cancel)?;
         out.findings.extend(findings(&area));
         let junction = world.roads().way_point_junction(point.id);
-        let place = area.junctions.iter().find(|j| j.it.id == junction).map(|j| area.origin.to_plan(j.it.at));
+        let place = area.junctions.iter().find(|j| j.item.id == junction).map(|j| area.origin.to_plan(j.item.at));
         let roads = roads_at(&area, junction);
         let refused = rejected.iter().any(|e| e.reason.contains(&point.name));
         if place != Some(at) && !refused {
@@ -289,7 +289,7 @@ fn check_edited(world: &World) -> Result<City, LayerError> {
 
 /// Ends of roads at a junction.
 fn roads_at(area: &Area, junction: JunctionId) -> usize {
-    let ends = area.streets.iter().flat_map(|s| [s.it.street.from, s.it.street.to]);
+    let ends = area.streets.iter().flat_map(|s| [s.item.street.from, s.item.street.to]);
     ends.filter(|id| *id == junction).count()
 }
 

@@ -72,14 +72,14 @@ fn figures(area: &Area) -> Map<String, Value> {
         .fold(0.0, |sum, m| sum + m)
         / 1e3;
     let polygon_area = |p: &[DVec2]| signed_area(p).abs();
-    let blocks = || area.blocks.iter().map(|b| &b.it).filter(|b| square.contains(centroid(&b.polygon)));
+    let blocks = || area.blocks.iter().map(|b| &b.item).filter(|b| square.contains(centroid(&b.polygon)));
     let mut areas: Vec<f64> = blocks().map(|b| polygon_area(&b.polygon)).collect();
     areas.sort_by(f64::total_cmp);
     let buildings: Vec<f64> = area
         .footprints
         .iter()
-        .filter(|f| square.contains(centroid(&f.it.polygon)))
-        .map(|f| polygon_area(&f.it.polygon))
+        .filter(|f| square.contains(centroid(&f.item.polygon)))
+        .map(|f| polygon_area(&f.item.polygon))
         .collect();
     let built: f64 = buildings.iter().sum();
     let blocks_area: f64 = areas.iter().sum();
@@ -98,7 +98,7 @@ fn figures(area: &Area) -> Map<String, Value> {
         "orientation_order": whole.orientation_order,
         "circuity": whole.circuity,
         "blocks": areas.len(),
-        "parks": blocks().filter(|b| b.used_as == BlockUse::Park).count(),
+        "parks": blocks().filter(|b| b.land_use == BlockUse::Park).count(),
         "block_area_median_m2": median(&areas),
         "share_angle_below_30": inside.share_angle_below_30,
         "components": components,
@@ -270,14 +270,14 @@ mod tests {
             let line = line.map(|p| DVec2::new(p.0, p.1)).to_vec();
             junctions.extend(line.iter().map(|p| (id(*p), *p)));
             let street = Street::new(StreetId(i as u64), StreetClass::Local, id(line[0]), id(line[1]), line);
-            Owned { chunk, it: PlacedStreet { street, made_by: None } }
+            Owned { chunk, item: PlacedStreet { street, made_by: None } }
         });
         let streets = streets.collect();
         Area {
             origin: Origin::at(DVec2::ZERO),
             bounds: Bounds::square(DVec2::ZERO, 100.0),
             streets,
-            junctions: junctions.into_iter().map(|(id, at)| Owned { chunk, it: Junction { id, at } }).collect(),
+            junctions: junctions.into_iter().map(|(id, at)| Owned { chunk, item: Junction { id, at } }).collect(),
             blocks: Vec::new(),
             lots: Vec::new(),
             footprints: Vec::new(),

@@ -189,7 +189,7 @@ fn measured(world: &World, town: &Arc<Settlement>) -> Result<Measured, LayerErro
 /// Metres of street by what made it, of those whose middle lies in a square.
 pub fn made(area: &Area, square: Bounds) -> [f64; 4] {
     let mut out = [0.0; 4];
-    for placed in area.streets.iter().map(|s| &s.it) {
+    for placed in area.streets.iter().map(|s| &s.item) {
         let length = placed.street.length();
         if square.contains(point_at(&placed.street.line, length / 2.0).0) {
             let by = match (placed.street.class, placed.made_by.as_ref().map(|made_by| &made_by.origin)) {

@@ -5,7 +5,7 @@ use crate::fail::Fail;
 use crate::soak::SoakArgs;
 use crate::work;
 use bevy_sprawl::layer::{Cancel, LayerError};
-use bevy_sprawl::region::{Road, Settlement};
+use bevy_sprawl::region::{RoadSection, Settlement};
 use bevy_sprawl::space::{Bounds, Seed, line_length};
 use bevy_sprawl::world::{World, WorldSource};
 use glam::DVec2;
@@ -24,7 +24,7 @@ const FAR: f64 = 1e9;
 #[derive(PartialEq)]
 struct Region {
     settlements: Vec<Arc<Settlement>>,
-    roads: Vec<Arc<Road>>,
+    roads: Vec<Arc<RoadSection>>,
 }
 
 impl Region {

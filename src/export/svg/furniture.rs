@@ -74,11 +74,11 @@ impl Sheet {
     pub(super) fn junctions(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "junctions").set("fill", INK);
         let mut roads: BTreeMap<JunctionId, usize> = BTreeMap::new();
-        let ends = plan.area.streets.iter().flat_map(|s| [s.it.street.from, s.it.street.to]);
+        let ends = plan.area.streets.iter().flat_map(|s| [s.item.street.from, s.item.street.to]);
         ends.for_each(|end| *roads.entry(end).or_default() += 1);
         let places: Vec<(DVec2, f64)> = plan.area.settlements.iter().map(|s| self.disc(plan, s)).collect();
-        for junction in plan.area.junctions.iter().filter(|j| roads.get(&j.it.id).is_some_and(|n| *n > 2)) {
-            let at = self.place(junction.it.at);
+        for junction in plan.area.junctions.iter().filter(|j| roads.get(&j.item.id).is_some_and(|n| *n > 2)) {
+            let at = self.place(junction.item.at);
             if !places.iter().any(|(centre, radius)| centre.distance(at) < radius + 2.0 * self.unit()) {
                 group = group.add(circle(at, JUNCTION * self.unit()));
             }
@@ -99,7 +99,7 @@ impl Sheet {
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
         settlements.sort_by(|a, b| b.size.cmp(&a.size).then(b.radius.total_cmp(&a.radius)).then(a.id.cmp(&b.id)));
         let lines: Vec<Vec<DVec2>> = match self.region {
-            true => plan.area.streets.iter().map(|s| self.placed(&s.it.street.line)).collect(),
+            true => plan.area.streets.iter().map(|s| self.placed(&s.item.street.line)).collect(),
             false => Vec::new(),
         };
         let discs: Vec<Bounds> = match self.region {
@@ -221,7 +221,7 @@ impl Sheet {
         let size = DVec2::new(widest + 106.0 * unit, (26.0 * entries.len() as f64 + 24.0) * unit);
         let margin = DVec2::splat(24.0 * unit);
         let (last, first) = (self.size - margin - size, margin);
-        let lines: Vec<Vec<DVec2>> = plan.area.streets.iter().map(|s| self.placed(&s.it.street.line)).collect();
+        let lines: Vec<Vec<DVec2>> = plan.area.streets.iter().map(|s| self.placed(&s.item.street.line)).collect();
         let busy = |low: &DVec2| {
             let own = Bounds::new(*low, *low + size).grown(10.0 * unit);
             let roads = lines.iter().flat_map(|l| segments(l)).filter(|(a, b)| touches(own, *a, *b)).count();
@@ -240,7 +240,7 @@ impl Sheet {
     }
 
     fn entries(&self, plan: &Plan<'_>, water: bool, wood: bool) -> Vec<Entry> {
-        let streets = || plan.area.streets.iter().map(|s| &s.it.street);
+        let streets = || plan.area.streets.iter().map(|s| &s.item.street);
         let classes =
             [(StreetClass::Highway, "HIGHWAY"), (StreetClass::Major, "MAJOR ROAD"), (StreetClass::Minor, "MINOR ROAD")];
         let sizes = [(SizeClass::City, "CITY"), (SizeClass::Town, "TOWN"), (SizeClass::Village, "VILLAGE")];
@@ -311,7 +311,7 @@ impl Sheet {
         let group = Group::new().set("id", "real").set("fill", "none").set("stroke-linejoin", "round");
         let classes = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway];
         classes.into_iter().fold(group, |group, class| {
-            let of = area.streets.iter().map(|s| &s.it.street).filter(|s| s.class == class);
+            let of = area.streets.iter().map(|s| &s.item.street).filter(|s| s.class == class);
             let lines: Vec<Vec<DVec2>> = of.map(|s| s.line.iter().map(|p| self.place(*p + here)).collect()).collect();
             draw(group, &lines, self.real_pen(class), 0.55)
         })

@@ -49,12 +49,12 @@ impl Sheet {
             });
             groups.push(fill(rings, "towns", "#dcc3a6", Some("#8d6f4f")).set("fill-opacity", 0.85));
         }
-        for (used_as, id, colour) in [(BlockUse::Built, "blocks", "#ece6da"), (BlockUse::Park, "parks", "#bfdca6")] {
-            let of = area.blocks.iter().filter(|b| b.it.used_as == used_as);
-            groups.push(fill(of.map(|b| self.placed(&b.it.polygon)), id, colour, None));
+        for (land_use, id, colour) in [(BlockUse::Built, "blocks", "#ece6da"), (BlockUse::Park, "parks", "#bfdca6")] {
+            let of = area.blocks.iter().filter(|b| b.item.land_use == land_use);
+            groups.push(fill(of.map(|b| self.placed(&b.item.polygon)), id, colour, None));
         }
         if self.scale > 0.25 {
-            let lots = area.lots.iter().map(|l| self.placed(&l.it.polygon));
+            let lots = area.lots.iter().map(|l| self.placed(&l.item.polygon));
             let thin = (0.12 * self.scale).clamp(0.15, 1.0);
             groups.push(fill(lots, "lots", "#f1ecdf", Some("#d3c8b4")).set("stroke-width", thin));
         }
@@ -62,16 +62,16 @@ impl Sheet {
             let buildings = || area.footprints.iter();
             let shadow = |storeys: u32| DVec2::new(0.45, 0.45) * (f64::from(storeys) + 0.6) * self.scale;
             let shadows = buildings().map(|b| {
-                let offset = shadow(b.it.storeys);
-                self.placed(&b.it.polygon).into_iter().map(|p| p + offset).collect()
+                let offset = shadow(b.item.storeys);
+                self.placed(&b.item.polygon).into_iter().map(|p| p + offset).collect()
             });
             groups.push(fill(shadows, "shadows", "#5b5348", None).set("fill-opacity", 0.3));
             for (from, to, colour) in BUILDINGS {
-                let of = buildings().filter(|b| (from..to).contains(&b.it.storeys));
+                let of = buildings().filter(|b| (from..to).contains(&b.item.storeys));
                 let edge = (self.scale > 0.3).then_some("#8f7a64");
                 let thin = (0.15 * self.scale).clamp(0.2, 1.0);
                 groups.push(
-                    fill(of.map(|b| self.placed(&b.it.polygon)), "buildings", colour, edge).set("stroke-width", thin),
+                    fill(of.map(|b| self.placed(&b.item.polygon)), "buildings", colour, edge).set("stroke-width", thin),
                 );
             }
         }
@@ -81,7 +81,7 @@ impl Sheet {
     /// Streets from the lowest level up; in a level all casings lie under all carriageways, so that these join.
     pub(super) fn streets(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "streets").set("fill", "none").set("stroke-linejoin", "round");
-        let streets = || plan.area.streets.iter().map(|s| &s.it);
+        let streets = || plan.area.streets.iter().map(|s| &s.item);
         let levels: std::collections::BTreeSet<i8> = streets().map(|s| s.street.level).collect();
         for level in levels {
             let here = || streets().filter(move |s| s.street.level == level);

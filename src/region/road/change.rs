@@ -10,15 +10,17 @@ use crate::network::SizeClass;
 
 impl RoadSettings {
     /// Distance in metres from a way point of class `top` that appears, disappears or changes, beyond which no road changes.
-    pub(crate) fn spread_of_way_point(&self, top: SizeClass) -> f64 {
+    pub(crate) fn change_reach_of_way_point(&self, top: SizeClass) -> f64 {
         // The way point is an end of a pair, or rules out a pair both ends of which lie within reach of it.
-        self.spread(|tier| if tier <= top { self.tier(tier).reach + self.tier(tier).padding(self.step) } else { 0.0 })
+        self.change_reach(
+            |tier| if tier <= top { self.tier(tier).reach + self.tier(tier).padding(self.step) } else { 0.0 },
+        )
     }
 
     /// Distance in metres from a settlement's outline that changes, beyond which no road changes: roads of all classes avoid
     /// outlines.
-    pub(crate) fn spread_of_settlement(&self) -> f64 {
-        self.spread(|tier| {
+    pub(crate) fn change_reach_of_settlement(&self) -> f64 {
+        self.change_reach(|tier| {
             let t = self.tier(tier);
             let passing = SITE_STEPS * self.step as f64 + t.corridor + 2.0 * t.padding(self.step);
             passing.max(t.reach + t.padding(self.step))
@@ -27,19 +29,19 @@ impl RoadSettings {
 
     /// Distance in metres from the area of an influence that changes, beyond which no road changes. `works_on` tells which
     /// tiers the influence works on.
-    pub(crate) fn spread_of_influence(&self, works_on: impl Fn(SizeClass) -> bool) -> f64 {
+    pub(crate) fn change_reach_of_influence(&self, works_on: impl Fn(SizeClass) -> bool) -> f64 {
         // A pair whose ellipse meets the area, and the pairs that share an end with it and are compared with it.
-        self.spread(|tier| if works_on(tier) { 4.0 * self.tier(tier).padding(self.step) } else { 0.0 })
+        self.change_reach(|tier| if works_on(tier) { 4.0 * self.tier(tier).padding(self.step) } else { 0.0 })
     }
 
     /// Distance in metres from one end of a road that is newly kept, routed or banned, beyond which no road changes.
-    pub(crate) fn spread_of_road(&self) -> f64 {
-        self.spread(|tier| 2.0 * self.tier(tier).padding(self.step))
+    pub(crate) fn change_reach_of_road(&self) -> f64 {
+        self.change_reach(|tier| 2.0 * self.tier(tier).padding(self.step))
     }
 
     /// Distance in metres beyond which no road changes, if routes of each tier change directly up to a distance of `direct`.
     /// Routes of lower tiers follow changed routes of higher tiers.
-    fn spread(&self, direct: impl Fn(SizeClass) -> f64) -> f64 {
+    fn change_reach(&self, direct: impl Fn(SizeClass) -> f64) -> f64 {
         let mut routes: f64 = 0.0;
         for tier in SizeClass::ALL {
             let t = self.tier(tier);

@@ -83,7 +83,7 @@ impl Distances {
         let held = &self.landmasses[tier as usize];
         if let (Some(domain), None) = (self.inputs.domain, held.get()) {
             let t = self.inputs.tier(tier);
-            let made = Landmasses::new(&self.inputs, domain.0, t, self.inputs.step() * t.wide_step)?;
+            let made = Landmasses::new(&self.inputs, domain.0, t, self.inputs.step() * t.coarse_step)?;
             // Another thread may have been faster; its landmasses are the same.
             held.get_or_init(|| made);
         }
@@ -104,7 +104,7 @@ impl Distances {
             cancel.check()?;
             let inputs = &*self.inputs;
             let t = inputs.tier(tier);
-            let step = inputs.step() * t.wide_step;
+            let step = inputs.step() * t.coarse_step;
             let length = beeline(a, b);
             let (from, to) = (inputs.centre_node(a, step), inputs.centre_node(b, step));
             let shortest = stencil_distance(to - from) * step as f64;
@@ -187,7 +187,7 @@ fn coarse_path_via(
     cancel: &Cancel,
 ) -> Result<Option<Vec<DVec2>>, LayerError> {
     let t = inputs.tier(tier);
-    let step = inputs.step() * t.wide_step;
+    let step = inputs.step() * t.coarse_step;
     let ends = [a, b].map(|s| inputs.centre_node(s, step));
     let mut ground = CoarseGround::new(inputs, tier, [a, b], ends, step)?;
     let (window, least) = (ground.window, ground.least_cost);

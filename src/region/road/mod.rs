@@ -93,7 +93,7 @@ mod wishes;
 
 pub use link::Link;
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
-pub(crate) use overpass::{CLEARANCE, rise};
+pub(crate) use overpass::{OVERPASS_CLEARANCE, overpass_profile};
 pub use roads::Roads;
-pub use sections::Road;
+pub use sections::RoadSection;
 pub use settings::{Crossing, RoadSettings, TierSettings};

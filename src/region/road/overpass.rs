@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Height in metres of a carriageway above the carriageway of the highway below.
-pub(crate) const CLEARANCE: f64 = 6.4;
+pub(crate) const OVERPASS_CLEARANCE: f64 = 6.4;
 /// Length in metres of the bridge on either side of the crossing.
 pub(super) const HALF_LENGTH: f64 = 130.0;
 /// Length in metres beyond the end of the bridge on which the road has no junction.
@@ -52,12 +52,12 @@ const RAMP_ANGLE: f64 = 0.5;
 
 /// Shape of an overpass: its height above the straight line between its ends, as a share of the height at the crossing. `t` runs
 /// from -1 at one end over 0 at the crossing to 1 at the other end.
-pub(crate) fn rise(t: f64) -> f64 {
+pub(crate) fn overpass_profile(t: f64) -> f64 {
     let s = 1.0 - (t * t).min(1.0);
     s * s
 }
 
-/// Greatest slope of [`rise`].
+/// Greatest slope of [`overpass_profile`].
 const STEEPEST: f64 = 1.54;
 
 /// A grade-separated crossing.
@@ -117,7 +117,7 @@ impl BuiltGraphs {
     fn make(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<Graph>, LayerError> {
         let own = self.merged.realigned(tile, cancel)?;
         let (settings, step) = (&self.inputs.settings, self.inputs.step());
-        let separates = |class| settings.class(class).over_highways != Crossing::Junction;
+        let separates = |class| settings.class(class).highway_crossings != Crossing::Junction;
         let any = [StreetClass::Highway, StreetClass::Major, StreetClass::Minor].into_iter().any(separates);
         if own.vertices.is_empty() || !any {
             return Ok(own);
@@ -232,7 +232,7 @@ impl Separations<'_> {
     /// The separation at a vertex, if there can be one.
     fn at(&self, node: usize) -> Result<Option<Separation>, LayerError> {
         let Some((highway, upper)) = self.crossing(node) else { return Ok(None) };
-        let rule = self.inputs.settings.class(self.class(upper[0])).over_highways;
+        let rule = self.inputs.settings.class(self.class(upper[0])).highway_crossings;
         if rule == Crossing::Junction || !self.has_room(node, highway, upper)? {
             return Ok(None);
         }
@@ -278,7 +278,7 @@ impl Separations<'_> {
             }
         }
         let most = self.inputs.settings.class(self.class(upper[0])).slope_limit;
-        Ok((ends[0] - ends[1]).abs() / (2.0 * HALF_LENGTH) + STEEPEST * CLEARANCE / HALF_LENGTH <= 1.1 * most)
+        Ok((ends[0] - ends[1]).abs() / (2.0 * HALF_LENGTH) + STEEPEST * OVERPASS_CLEARANCE / HALF_LENGTH <= 1.1 * most)
     }
 
     /// Whether no road but the highway is near a stretch of the bridge.

@@ -15,7 +15,7 @@ pub(super) const REPULSION: f64 = 500.0;
 /// The search reads the box of the ellipse that holds its coarse path, with room for centres that are moved to a node up to
 /// five cells away, and the settlements beside its corridor.
 pub(super) fn pair_padding(t: &TierSettings, step: i64, length: f64, corridor: f64) -> f64 {
-    let cells = (8 * step * t.wide_step) as f64;
+    let cells = (8 * step * t.coarse_step) as f64;
     let beside = REPULSION.max(SITE_STEPS * step as f64);
     t.detour * (0.515 * length + cells) + cells + corridor + beside
 }

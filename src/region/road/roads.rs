@@ -5,7 +5,7 @@ use super::inputs::Inputs;
 use super::lattice::node_at;
 use super::link::{Link, link};
 use super::routes::Routes;
-use super::sections::{Road, Sections};
+use super::sections::{RoadSection, Sections};
 use super::settings::RoadSettings;
 use super::source::SettlementSource;
 use super::steps::{Searches, sections};
@@ -99,14 +99,14 @@ impl Roads {
 
     /// Sections of road whose centre line enters `bounds` (plan metres; the box of one of its segments overlaps it), sorted
     /// by id.
-    pub fn overlapping(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Road>>, LayerError> {
+    pub fn overlapping(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<RoadSection>>, LayerError> {
         let mut out = Vec::new();
         for tile in tiles_in(bounds, self.searches.inputs.step()) {
             cancel.check()?;
             let sections = self.sections.of_tile(tile, cancel)?;
             out.extend(sections.0.iter().filter(|r| r.enters(bounds)).cloned());
         }
-        out.sort_by_key(|r: &Arc<Road>| r.street.id);
+        out.sort_by_key(|r: &Arc<RoadSection>| r.street.id);
         out.dedup_by_key(|r| r.street.id);
         Ok(out)
     }

@@ -143,7 +143,7 @@ impl Routes {
     /// The pairs of a tier whose road may pass through a tile.
     fn list(&self, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<Vec<Candidate>, LayerError> {
         let t = self.inputs.tier(tier);
-        let cell = (self.inputs.step() * t.wide_step) as f64;
+        let cell = (self.inputs.step() * t.coarse_step) as f64;
         // Both ends of a road lie on an ellipse around each of its points, and at most the reach of the tier apart.
         let sum = |length: f64| 1.03 * t.detour * (length + 2.0 * cell) + 2.0 * t.corridor;
         let padding = (sum(t.reach) + t.reach + tile.size().length()) / 2.0;
@@ -311,7 +311,9 @@ impl Routes {
             raise_closeness(&road.nodes, field.corridor(), step, &mut beside);
         }
         let off: Vec<f64> = field.corridor().off.iter().map(|off| OFF_LINE * f64::from(*off) / 1000.0).collect();
-        field.add(|slot, node| t.building + t.beside * beside[slot] + off[slot] + t.rough * roughness(node, step));
+        field.add(|slot, node| {
+            t.building + t.beside_roads * beside[slot] + off[slot] + t.roughness * roughness(node, step)
+        });
         field.add_influences(&inputs.influences, tier);
         Ok(field)
     }

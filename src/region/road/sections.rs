@@ -20,14 +20,14 @@ use std::sync::Arc;
 
 /// A section of road between two junctions (gates, forks, crossings, ends of bridges and tunnels).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Road {
+pub struct RoadSection {
     /// Origin that `street.line` is local to.
     pub origin: Origin,
     /// The section as a street of the class highway, major or minor.
     pub street: Street,
 }
 
-impl Road {
+impl RoadSection {
     /// Whether the box of any segment of the centre line overlaps a box of the plan.
     pub(super) fn enters(&self, bounds: Bounds) -> bool {
         let local = bounds.moved(-self.origin.plan());
@@ -36,12 +36,12 @@ impl Road {
 }
 
 /// The sections along one line of the graph, or in one tile.
-pub(super) struct SectionList(pub Vec<Arc<Road>>);
+pub(super) struct SectionList(pub Vec<Arc<RoadSection>>);
 
 impl Weigh for SectionList {
     fn bytes(&self) -> usize {
-        let points = |r: &Road| r.street.line.len() * size_of::<DVec2>();
-        self.0.iter().map(|r| 8 + size_of::<Road>() + points(r)).sum::<usize>() + 24
+        let points = |r: &RoadSection| r.street.line.len() * size_of::<DVec2>();
+        self.0.iter().map(|r| 8 + size_of::<RoadSection>() + points(r)).sum::<usize>() + 24
     }
 }
 
@@ -184,7 +184,7 @@ impl Sections {
 }
 
 /// The sections along a line of the graph.
-fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>>, LayerError> {
+fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<RoadSection>>, LayerError> {
     walk.cancel.check()?;
     let mut corners: Vec<Shape> = Vec::new();
     let mut levels: Vec<i8> = Vec::new();
@@ -248,7 +248,7 @@ fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<Road>
         let id = StreetId::of(&[name, end(i).0, end(i + 1).0, i as u64]);
         let mut street = Street::new(id, class, end(i), end(i + 1), part.line.clone());
         (street.level, street.bridge, street.tunnel) = (part.level, part.bridge, part.level < 0);
-        out.push(Arc::new(Road { origin, street }));
+        out.push(Arc::new(RoadSection { origin, street }));
     }
     Ok(out)
 }

@@ -46,7 +46,8 @@ pub struct TierSettings {
     /// Greatest ratio of a road's cost to its beeline: 1.1 to 3. More expensive roads are not built.
     pub detour: f64,
     /// Spacing of the coarse lattice, on which paths are searched first, in steps of the fine lattice: 1 to 8.
-    pub wide_step: i64,
+    #[serde(alias = "wide_step")]
+    pub coarse_step: i64,
     /// Greatest distance in metres of the road from its path on the coarse lattice: 200 to 3000.
     pub corridor: f64,
     /// Extra cost per metre at the steepest slope allowed: 0 to 100. The cost grows with the square of the slope.
@@ -78,17 +79,20 @@ pub struct TierSettings {
     /// Extra cost per metre of a new road: 0 to 5. The use of an existing road of a higher class is free of it.
     pub building: f64,
     /// Extra cost per metre directly beside an existing road of a higher class: 0 to 20.
-    pub beside: f64,
+    #[serde(alias = "beside")]
+    pub beside_roads: f64,
     /// Cost of a bend of 22 degrees: 0 to 1000. The cost grows with the square of the angle.
     pub turn: f64,
     /// Least radius of bends in metres, except at junctions: 10 to 1000. A bend to the next heading, whose radius is 270 m on a
     /// lattice of 128 m, is always allowed.
     pub radius: f64,
     /// How roads of the class cross highways.
-    pub over_highways: Crossing,
+    #[serde(alias = "over_highways")]
+    pub highway_crossings: Crossing,
     /// Greatest random extra cost per metre, which varies from place to place independently of the terrain: 0 to 1. It makes roads
     /// wind a little and share stretches.
-    pub rough: f64,
+    #[serde(alias = "rough")]
+    pub roughness: f64,
 }
 
 impl Default for TierSettings {
@@ -97,7 +101,7 @@ impl Default for TierSettings {
             reach: 4_900.0,
             gamma: 2.2,
             detour: 1.7,
-            wide_step: 2,
+            coarse_step: 2,
             corridor: 600.0,
             slope: 2.5,
             slope_limit: 0.14,
@@ -112,11 +116,11 @@ impl Default for TierSettings {
             vegetation: 0.2,
             settlement: 4.0,
             building: 0.5,
-            beside: 1.0,
+            beside_roads: 1.0,
             turn: 4.0,
             radius: 50.0,
-            over_highways: Crossing::Bridge,
-            rough: 0.08,
+            highway_crossings: Crossing::Bridge,
+            roughness: 0.08,
         }
     }
 }
@@ -135,14 +139,14 @@ impl Default for RoadSettings {
             tunnel_limit: 700.0,
             turn: 5.0,
             radius: 120.0,
-            over_highways: Crossing::Interchange,
+            highway_crossings: Crossing::Interchange,
             ..minor.clone()
         };
         let highway = TierSettings {
             reach: 26_000.0,
             gamma: 2.4,
             detour: 1.5,
-            wide_step: 4,
+            coarse_step: 4,
             corridor: 1_000.0,
             slope: 4.0,
             slope_limit: 0.08,
@@ -154,7 +158,7 @@ impl Default for RoadSettings {
             tunnel_limit: 1_600.0,
             turn: 6.0,
             radius: 250.0,
-            over_highways: Crossing::Interchange,
+            highway_crossings: Crossing::Interchange,
             ..minor.clone()
         };
         Self { step: 128, merge: 275.0, highway, major, minor }
@@ -167,7 +171,7 @@ impl TierSettings {
         range("reach", self.reach, 500.0, 60_000.0)?;
         range("gamma", self.gamma, 1.01, 20.0)?;
         range("detour", self.detour, 1.1, 3.0)?;
-        range("wide_step", self.wide_step as f64, 1.0, 8.0)?;
+        range("coarse_step", self.coarse_step as f64, 1.0, 8.0)?;
         range("corridor", self.corridor, 200.0, 3000.0)?;
         range("slope", self.slope, 0.0, 100.0)?;
         range("slope_limit", self.slope_limit, 0.01, 1.0)?;
@@ -182,17 +186,17 @@ impl TierSettings {
         range("vegetation", self.vegetation, 0.0, 20.0)?;
         range("settlement", self.settlement, 0.0, 100.0)?;
         range("building", self.building, 0.0, 5.0)?;
-        range("beside", self.beside, 0.0, 20.0)?;
+        range("beside_roads", self.beside_roads, 0.0, 20.0)?;
         range("turn", self.turn, 0.0, 1000.0)?;
         range("radius", self.radius, 10.0, 1000.0)?;
-        range("rough", self.rough, 0.0, 1.0)
+        range("roughness", self.roughness, 0.0, 1.0)
     }
 
     /// Distance in metres from any point of a road of this class, within which one of its two settlements has its centre. A path
     /// on the coarse lattice is at most `detour` times as long as the distance on the stencil, which is at most 1.03 beelines,
     /// and it begins half a cell from the centre. The route keeps within the corridor around that path.
     pub(super) fn padding(&self, step: i64) -> f64 {
-        let cell = (step * self.wide_step) as f64;
+        let cell = (step * self.coarse_step) as f64;
         self.detour * (0.515 * self.reach + cell) + cell + self.corridor
     }
 }

@@ -7,7 +7,7 @@ use super::obstacle::{Hull, LooseEnd, NONE, Neighbourhood, Obstacle, Ray, Window
 use super::proposal::{Join, Proposal};
 use super::squares::Squares;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
-use crate::seam::{CellPort, STUB_LENGTH};
+use crate::seam::{APPROACH_LENGTH, CellPort};
 use crate::space::{Bounds, quantize};
 use crate::streets::filler::CellBrief;
 use glam::{DVec2, Vec2};
@@ -232,7 +232,7 @@ impl Canvas {
     pub fn stamp_stubs(&mut self, ports: &[CellPort]) {
         for (i, port) in ports.iter().enumerate() {
             let edge = self.graph.edges_at(i as VertexIx).first().copied().unwrap_or_default();
-            self.free.stamp(self.walls + edge as usize, port.at, port.at + port.inward * STUB_LENGTH);
+            self.free.stamp(self.walls + edge as usize, port.at, port.at + port.inward * APPROACH_LENGTH);
         }
         self.knows_stubs = true;
     }

@@ -7,7 +7,7 @@ use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest, nearest_pairs};
 use super::proposal::{Join, Proposal};
 use super::rules::Limits;
 use crate::network::{STREET_FLOOR, VertexIx};
-use crate::seam::STUB_LENGTH;
+use crate::seam::APPROACH_LENGTH;
 use crate::space::segment_crossing;
 use glam::DVec2;
 
@@ -328,7 +328,7 @@ impl Checker {
                 if joint.is_port && s.is_wall() && nearest(joint.at, s.a, s.b).distance(joint.at) < 0.01 {
                     // The main street that the port lies on.
                     let (far, loose) = if joint.point == i { (b, open_b) } else { (a, open_a) };
-                    if (loose || far.distance(joint.at) > STUB_LENGTH) && loose_end_near(far, s) {
+                    if (loose || far.distance(joint.at) > APPROACH_LENGTH) && loose_end_near(far, s) {
                         return false;
                     }
                     continue 'obstacles;
@@ -369,7 +369,7 @@ impl Checker {
                 return 0.0;
             }
             along = along.min(away + joint.at.distance(r));
-            from_port |= self.roots[index] & (1 << k) != 0 && joint.is_port && away < STUB_LENGTH;
+            from_port |= self.roots[index] & (1 << k) != 0 && joint.is_port && away < APPROACH_LENGTH;
         }
         let floor = if s.is_wall() { s.floor } else { STREET_FLOOR };
         let loosely = if s.is_wall() { from_port } else { self.roots[index] != 0 };
@@ -390,7 +390,7 @@ impl Checker {
             along = along.min(away + joint.along(s, r));
             let root = self.roots[index] & (1 << k) != 0;
             shared |= root && joint.shared.contains(&s.edge);
-            from_port |= root && joint.is_port && away < STUB_LENGTH;
+            from_port |= root && joint.is_port && away < APPROACH_LENGTH;
         }
         let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
         let mut needed = base.min(WEDGE * along);

@@ -6,7 +6,7 @@ use super::checker::{DEAD_END_FLOOR, WEDGE};
 use super::obstacle::{Neighbourhood, Obstacle, nearest_pairs};
 use super::rules::Limits;
 use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
-use crate::seam::{CellPort, STUB_LENGTH};
+use crate::seam::{APPROACH_LENGTH, CellPort};
 use crate::space::{Bounds, distance_to_segment, segment_distance};
 use glam::DVec2;
 
@@ -188,11 +188,11 @@ impl Refit<'_> {
         if let Some((_, at, far)) = port {
             let from_wall = |p: DVec2| distance_to_segment(p, wall.a, wall.b);
             if from_wall(at) < 0.01 {
-                return line.length() <= STUB_LENGTH || from_wall(far) >= wall.floor;
+                return line.length() <= APPROACH_LENGTH || from_wall(far) >= wall.floor;
             }
             // The wall is near along the main street.
             let may_be = line.pairs(&wall_line).into_iter().all(|(q, r)| {
-                let floor = if q.distance(at) < STUB_LENGTH { 0.0 } else { wall.floor };
+                let floor = if q.distance(at) < APPROACH_LENGTH { 0.0 } else { wall.floor };
                 q.distance(r) >= wall_gap.min(WEDGE * (q.distance(at) + at.distance(r))).max(floor)
             });
             if may_be {

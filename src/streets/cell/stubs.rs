@@ -3,13 +3,13 @@
 use super::canvas::{Canvas, Node};
 use super::draft::Draft;
 use crate::network::VertexIx;
-use crate::seam::STUB_LENGTH;
+use crate::seam::APPROACH_LENGTH;
 
 /// Puts a stub at every port, so that each is met. Its end is the vertex [`stub_end`].
 pub fn lay_stubs(draft: &mut Draft<'_>) {
     for (i, port) in draft.brief.ports.iter().enumerate() {
         let node = Node { open: true, wanted_degree: 2, ..Node::default() };
-        let end = draft.canvas.add_vertex(port.at + port.inward * STUB_LENGTH, node);
+        let end = draft.canvas.add_vertex(port.at + port.inward * APPROACH_LENGTH, node);
         draft.canvas.add_stub(i as VertexIx, end);
     }
 }

@@ -87,9 +87,9 @@ pub(super) fn parts(
         }
         let mut cell = cell(settlement, &face, side_of, |i| is_junction(face.vertices[i]));
         if sketch.open_spaces.iter().any(|p| point_in_polygon(*p, &cell.border)) {
-            cell.used_as = CellUse::Open;
+            cell.cell_use = CellUse::Open;
         } else if site.river.as_ref().is_some_and(|river| river.is_water(graph, &face)) {
-            cell.used_as = CellUse::Water;
+            cell.cell_use = CellUse::Water;
         }
         cells.push(cell);
     }
@@ -130,5 +130,5 @@ fn cell(
     };
     let name = (0..n).map(half_edge).min().unwrap_or_default();
     let id = CellId(stable_hash(&[settlement.0, 0x63, name[0], name[1], name[2], name[3]]));
-    MainCell { id, used_as: CellUse::Built, anchor: pole(&border, 4.0).0, border, sides }
+    MainCell { id, cell_use: CellUse::Built, anchor: pole(&border, 4.0).0, border, sides }
 }

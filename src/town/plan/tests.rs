@@ -140,7 +140,7 @@ fn main_cells_have_the_size_and_width_that_streets_need() {
         let case = any_settlement(number);
         let town = case.plan();
         let length = case.style.main.length.min(0.55 * case.settlement.radius).max(60.0);
-        for cell in town.cells.iter().filter(|c| c.used_as == CellUse::Built) {
+        for cell in town.cells.iter().filter(|c| c.cell_use == CellUse::Built) {
             let (area, width) = (signed_area(&cell.border), pole(&cell.border, 2.0).1);
             let fringe = cell.sides.iter().any(|s| s.main.is_none());
             let what = format!("case {number}, cell at {:.0}: {area:.0} m2, {width:.0} m", cell.anchor);
@@ -176,7 +176,7 @@ fn roundabouts_and_squares_lie_open_among_main_streets() {
         let mut case = any_settlement(number);
         let what = format!("case {number}");
         let town = case.plan();
-        for cell in town.cells.iter().filter(|c| c.used_as == CellUse::Open) {
+        for cell in town.cells.iter().filter(|c| c.cell_use == CellUse::Open) {
             spaces += 1;
             assert!(cell.sides.iter().all(|s| s.main.is_some()) && cell.sides.len() >= 3, "{what}");
             let (area, width) = (signed_area(&cell.border), pole(&cell.border, 1.0).1);
@@ -194,7 +194,10 @@ fn roundabouts_and_squares_lie_open_among_main_streets() {
             }
         }
         (case.style.main.roundabouts, case.style.main.squares) = (0.0, 0.0);
-        assert!(case.plan().cells.iter().all(|c| c.used_as == CellUse::Built), "{what}: a space that no rule asks for");
+        assert!(
+            case.plan().cells.iter().all(|c| c.cell_use == CellUse::Built),
+            "{what}: a space that no rule asks for"
+        );
     }
     assert!(spaces > 20 && streets >= 3 * spaces, "{spaces} open spaces, {streets} streets that lead there");
 }

@@ -36,7 +36,7 @@ impl<'a> Spreads<'a> {
             _ => None,
         });
         let radius = pinned.fold(settings.settlements.largest_radius(), f64::max);
-        let settlement = settings.settlements.spread(radius);
+        let settlement = settings.settlements.change_reach(radius);
         // A town, those that it touches, whose seams have ports from both, those that these touch, and those whose styles mix
         // into their cells.
         Self { settings, settlement, town: 8.0 * radius, radius }
@@ -49,7 +49,7 @@ impl<'a> Spreads<'a> {
             SettlementEdit::Move { from, to } => Bounds::of([*from]).grown(self.radius).union(Bounds::of([*to])),
             SettlementEdit::Ban { at, radius } => Bounds::square(*at, 2.0 * radius),
         };
-        let far = self.settlement + self.settings.roads.spread_of_settlement() + self.town;
+        let far = self.settlement + self.settings.roads.change_reach_of_settlement() + self.town;
         Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
     }
 
@@ -63,7 +63,7 @@ impl<'a> Spreads<'a> {
             let class = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway][tier as usize];
             influence.classes.is_empty() || influence.classes.contains(&class)
         };
-        let far = influence.radius + self.settings.roads.spread_of_influence(works_on) + self.town;
+        let far = influence.radius + self.settings.roads.change_reach_of_influence(works_on) + self.town;
         Place { looks: None, changes: Bounds::of(points.iter().copied()).grown(far) }
     }
 
@@ -74,7 +74,7 @@ impl<'a> Spreads<'a> {
             _ => SizeClass::Village,
         };
         let at = Bounds::of([point.at]);
-        let far = self.settings.roads.spread_of_way_point(size) + self.town;
+        let far = self.settings.roads.change_reach_of_way_point(size) + self.town;
         Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
     }
 
@@ -82,7 +82,7 @@ impl<'a> Spreads<'a> {
         let ends = Bounds::of(edit.ends());
         // An edit whose ends are further apart than any class reaches is rejected.
         let [from, _] = edit.ends();
-        let far = self.radius + self.settings.roads.spread_of_road() + self.town;
+        let far = self.radius + self.settings.roads.change_reach_of_road() + self.town;
         let looks = ends.grown(self.radius + self.settlement);
         Place { looks: Some(looks), changes: Bounds::of([from]).grown(far) }
     }

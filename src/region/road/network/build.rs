@@ -12,7 +12,7 @@ use crate::region::road::inputs::Inputs;
 use crate::region::road::lattice::node_at;
 use crate::region::road::link::{Link, link};
 use crate::region::road::nodes::Nodes;
-use crate::region::road::sections::Road;
+use crate::region::road::sections::RoadSection;
 use crate::region::road::settings::RoadSettings;
 use crate::region::road::steps::{Searches, sections};
 use crate::region::road::tile::tiles_in;
@@ -58,7 +58,7 @@ pub struct RoadNetwork {
     /// The connections that the proximity rule keeps, sorted by id.
     pub links: Vec<Arc<Link>>,
     /// Sections of road between gates, centres and junctions, sorted by id.
-    pub roads: Vec<Arc<Road>>,
+    pub roads: Vec<Arc<RoadSection>>,
     /// Settlements that no road reaches, because of water or cost. Sorted.
     pub unreached: Vec<SettlementId>,
 }
@@ -142,7 +142,7 @@ impl RoadNetwork {
         let sections = sections(inputs, &routes, budget);
         let tiles: Vec<I64Vec2> = tiles_in(domain, settings.step).collect();
         let parts = task.each("shaping roads", &tiles, |tile| sections.of_tile(*tile, &task.cancel))?;
-        let mut roads: Vec<&Arc<Road>> = parts.iter().flat_map(|p| &p.0).collect();
+        let mut roads: Vec<&Arc<RoadSection>> = parts.iter().flat_map(|p| &p.0).collect();
         roads.sort_by_key(|r| r.street.id);
         roads.dedup_by_key(|r| r.street.id);
         let outline = |s: &Arc<Settlement>| {

@@ -25,7 +25,7 @@ impl RoadSettings {
         let tier = |t: TierSettings| TierSettings {
             reach: f64::INFINITY,
             detour: DETOUR,
-            wide_step: 1,
+            coarse_step: 1,
             corridor: t.corridor.max(6.0 * steps),
             slope: t.slope * (STEEPEST / t.slope_limit) * (STEEPEST / t.slope_limit),
             slope_limit: STEEPEST,

@@ -2,7 +2,7 @@
 //! jittered lattices, and random worlds on the default terrain.
 
 use super::super::source::SettlementSource;
-use super::super::{Road, RoadSettings, Roads};
+use super::super::{RoadSection, RoadSettings, Roads};
 use crate::edits::Edits;
 use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, SizeClass};
@@ -132,12 +132,12 @@ pub fn random_place(i: u64) -> (u64, DVec2) {
 }
 
 /// Sections of road that enter a box.
-pub fn all(roads: &Roads, bounds: Bounds) -> Vec<Arc<Road>> {
+pub fn all(roads: &Roads, bounds: Bounds) -> Vec<Arc<RoadSection>> {
     roads.overlapping(bounds, &Cancel::new()).unwrap()
 }
 
 /// Segments of sections around a common origin: section, index in its line, ends.
-pub fn local_segments(sections: &[Arc<Road>], origin: Origin) -> Vec<(usize, usize, DVec2, DVec2)> {
+pub fn local_segments(sections: &[Arc<RoadSection>], origin: Origin) -> Vec<(usize, usize, DVec2, DVec2)> {
     let mut out = Vec::new();
     for (i, r) in sections.iter().enumerate() {
         let shift = r.origin.offset_to(origin);
@@ -148,7 +148,7 @@ pub fn local_segments(sections: &[Arc<Road>], origin: Origin) -> Vec<(usize, usi
 }
 
 /// Panics unless sections meet at shared junctions only.
-pub fn assert_planar(sections: &[Arc<Road>], origin: Origin) {
+pub fn assert_planar(sections: &[Arc<RoadSection>], origin: Origin) {
     let mut at: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
     for r in sections {
         let (line, shift) = (&r.street.line, r.origin.offset_to(origin));
@@ -193,7 +193,7 @@ pub fn assert_same_whatever_was_asked(fresh: impl Fn() -> Roads, centre: DVec2, 
     let inputs = &larger.searches.inputs;
     let (terrain, settlements) = (inputs.terrain.clone(), inputs.settlements.clone());
     let tiny = Roads::from_source(&inputs.settings, terrain, settlements, &Edits::default(), 6_000_000);
-    let mut quarters: Vec<Arc<Road>> = Vec::new();
+    let mut quarters: Vec<Arc<RoadSection>> = Vec::new();
     for (x, y) in [(0.25, 0.25), (0.25, -0.25), (-0.25, 0.25), (-0.25, -0.25)] {
         let quarter = Bounds::square(centre + DVec2::new(x, y) * size, size / 2.0);
         quarters.extend(all(&tiny, quarter));

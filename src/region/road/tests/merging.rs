@@ -214,7 +214,7 @@ fn what_was_connected_stays_connected() {
 }
 
 /// The component of each junction of a graph of sections, as the id of one of its junctions.
-fn components(sections: &[Arc<Road>]) -> BTreeMap<u64, u64> {
+fn components(sections: &[Arc<RoadSection>]) -> BTreeMap<u64, u64> {
     let mut sets = DisjointSets::new();
     for r in sections {
         sets.union(r.street.from.0, r.street.to.0);

@@ -196,8 +196,8 @@ fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
 }
 
 /// Length of the shortest way along sections from one of some junctions to a section of a class.
-fn way_to(sections: &[Arc<Road>], from: &[JunctionId], class: StreetClass) -> Option<f64> {
-    let mut ways: BTreeMap<JunctionId, Vec<(&Road, JunctionId)>> = BTreeMap::new();
+fn way_to(sections: &[Arc<RoadSection>], from: &[JunctionId], class: StreetClass) -> Option<f64> {
+    let mut ways: BTreeMap<JunctionId, Vec<(&RoadSection, JunctionId)>> = BTreeMap::new();
     for r in sections {
         ways.entry(r.street.from).or_default().push((r, r.street.to));
         ways.entry(r.street.to).or_default().push((r, r.street.from));
@@ -227,7 +227,7 @@ fn highways_pass_towns_at_a_distance_and_towns_join_them() {
         let sections = all(&roads, window.grown(6_000.0));
         for town in roads.searches.inputs.settlements.centred_in_of(window, SizeClass::Town).unwrap() {
             let outline = roads.searches.inputs.settlements.outline(&town).unwrap();
-            let off = |r: &Arc<Road>| {
+            let off = |r: &Arc<RoadSection>| {
                 let shift = r.origin.offset_to(outline.origin);
                 let ends =
                     segments(&r.street.line).map(|(a, b)| polygon_distance(a + shift, b + shift, &outline.polygon));

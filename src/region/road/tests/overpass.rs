@@ -9,7 +9,7 @@ pub fn all_cross_by(roads: &Roads, rule: Crossing) -> Roads {
     let inputs = &roads.searches.inputs;
     let mut s = inputs.settings.clone();
     for tier in [&mut s.highway, &mut s.major, &mut s.minor] {
-        tier.over_highways = rule;
+        tier.highway_crossings = rule;
     }
     Roads::from_source(&s, inputs.terrain.clone(), inputs.settlements.clone(), &Edits::default(), 256 << 20)
 }
@@ -22,7 +22,7 @@ fn world(i: u64, rule: Option<Crossing>) -> (Roads, DVec2) {
 }
 
 /// Bridges over highways among sections, with the highway below.
-pub fn overpasses(sections: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)> {
+pub fn overpasses(sections: &[Arc<RoadSection>]) -> Vec<(&Arc<RoadSection>, &Arc<RoadSection>, DVec2)> {
     let mut out = Vec::new();
     for r in sections.iter().filter(|r| r.street.level == 1) {
         for s in sections.iter().filter(|s| s.street.level == 0 && s.street.class == StreetClass::Highway) {
@@ -31,8 +31,9 @@ pub fn overpasses(sections: &[Arc<Road>]) -> Vec<(&Arc<Road>, &Arc<Road>, DVec2)
                 for (c, d) in segments(&s.street.line) {
                     let met = segment_crossing(a, b, c + shift, d + shift);
                     // Where both have a vertex, four segments meet.
-                    let met =
-                        met.filter(|x| !out.iter().any(|(q, _, at): &(&Arc<Road>, _, DVec2)| *q == r && *at == x.at));
+                    let met = met.filter(|x| {
+                        !out.iter().any(|(q, _, at): &(&Arc<RoadSection>, _, DVec2)| *q == r && *at == x.at)
+                    });
                     out.extend(met.map(|x| (r, s, x.at)));
                 }
             }
@@ -79,7 +80,7 @@ fn roads_pass_over_highways_on_bridges() {
 }
 
 /// For each settlement of a box the first one that roads among sections lead to from it.
-fn joined(roads: &Roads, sections: &[Arc<Road>], bounds: Bounds) -> Vec<(SettlementId, SettlementId)> {
+fn joined(roads: &Roads, sections: &[Arc<RoadSection>], bounds: Bounds) -> Vec<(SettlementId, SettlementId)> {
     let mut sets = DisjointSets::new();
     for r in sections {
         sets.union(r.street.from.0, r.street.to.0);
