@@ -20,7 +20,7 @@ type Cells = BTreeMap<(usize, [i64; 2]), Option<Arc<Settlement>>>;
 /// Settlements on jittered lattices.
 pub struct Towns {
     pub seed: Seed,
-    pub terrain: Arc<Countryside>,
+    pub terrain: Arc<dyn Terrain>,
     cells: Mutex<Cells>,
 }
 
@@ -103,8 +103,8 @@ pub fn roads(seed: u64, flat: bool, settings: &RoadSettings) -> Roads {
 }
 
 /// Roads of a test world over a ground.
-pub fn roads_over(seed: u64, ground: Countryside, settings: &RoadSettings) -> Roads {
-    let terrain = Arc::new(ground);
+pub fn roads_over(seed: u64, ground: impl Terrain + 'static, settings: &RoadSettings) -> Roads {
+    let terrain: Arc<dyn Terrain> = Arc::new(ground);
     let towns = Arc::new(Towns { seed: Seed(seed), terrain: terrain.clone(), cells: Mutex::default() });
     Roads::from_source(settings, terrain, towns, &Edits::default(), 256 << 20)
 }

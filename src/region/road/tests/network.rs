@@ -174,6 +174,42 @@ fn bends_are_wide() {
     }
 }
 
+/// Pieces of roads on the ground, one step of the lattice long, and how many are steeper than their class allows.
+fn steep_pieces(roads: &Roads, limits: &RoadSettings, bounds: Bounds) -> (usize, usize) {
+    let (mut pieces, mut steep) = (0, 0);
+    for r in all(roads, bounds).iter().filter(|r| r.street.level == 0) {
+        let limit = limits.class(r.street.class).slope_limit;
+        let even = crate::space::resample(&r.street.line, limits.step as f64);
+        for (a, b) in segments(&even) {
+            let [from, to] = [a, b].map(|p| roads.searches.inputs.terrain.height(r.origin.to_plan(p)));
+            pieces += 1;
+            steep += usize::from((from - to).abs() > 1.1 * limit * a.distance(b));
+        }
+    }
+    (pieces, steep)
+}
+
+#[test]
+fn roads_avoid_slopes_above_their_limit() {
+    // Slopes of up to 30 %.
+    let hills = |p: DVec2| {
+        let height = 120.0 * crate::space::math::sin(p.x / 450.0) * crate::space::math::cos(p.y / 400.0);
+        crate::terrain::TerrainSample { height, water_level: -500.0, vegetation: 0.0 }
+    };
+    let settings = RoadSettings::default();
+    let mut blind = settings.clone();
+    for tier in [&mut blind.highway, &mut blind.major, &mut blind.minor] {
+        (tier.slope, tier.slope_limit, tier.earthwork) = (0.0, 1.0, 100.0);
+    }
+    let bounds = Bounds::square(DVec2::ZERO, 9_000.0);
+    let measure =
+        |settings_used| steep_pieces(&roads_over(77, crate::testing::Ground(hills), settings_used), &settings, bounds);
+    let ((pieces, steep), (all_blind, steep_blind)) = (measure(&settings), measure(&blind));
+    // The lattice is coarser than the hills, and roads that leave a gate have little choice.
+    assert!(pieces > 1000 && steep * 25 < pieces, "{steep} of {pieces}");
+    assert!(steep_blind * 4 > all_blind, "roads that ignore slopes are steep: {steep_blind} of {all_blind}");
+}
+
 #[test]
 fn wide_rivers_are_crossed_on_straight_bridges_of_their_own_level() {
     let mut bridges = 0;
