@@ -4,12 +4,12 @@ use crate::chunk::{Chunk, Ground};
 use crate::layer::Cancel;
 use crate::mesh::{ChunkMesh, ChunkPart, Detail, MeshBuffers, build};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
-use crate::parcel::tests::{cell, divided};
 use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
 use crate::stack::PlacedStreet;
 use crate::style::ParcelRules;
 use crate::surface::Deck;
 use crate::terrain::{Terrain, TerrainSample};
+use crate::testing::{Flat, block_cell, divided};
 use glam::{DVec2, Vec3};
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ fn empty(coord: ChunkCoord, terrain: &dyn Terrain) -> Chunk {
 fn town(seed: u64, pitch: f64, rules: &ParcelRules) -> Chunk {
     let mut rng = Seed(seed).stream("mesh test", &[]);
     let count = (440.0 / pitch) as usize;
-    let cell = cell(&mut rng, count, count, pitch);
+    let cell = block_cell(&mut rng, count, count, pitch);
     let offset = DVec2::new(-870.0, 330.0);
     let parcels = divided(seed, &cell, rules);
     let mut chunk = empty(ChunkCoord::new(3, -2), &Hills);
@@ -188,13 +188,7 @@ fn neighbouring_ground_meets_to_the_bit_at_any_detail() {
 
 #[test]
 fn an_empty_chunk_has_ground_alone() {
-    struct Plain;
-    impl Terrain for Plain {
-        fn sample(&self, _: DVec2) -> TerrainSample {
-            TerrainSample { height: 5.0, water_level: 0.0, vegetation: 0.2 }
-        }
-    }
-    let mesh = build(&empty(ChunkCoord::new(0, 0), &Plain), &Plain, Detail::Full, &Cancel::new()).unwrap();
+    let mesh = build(&empty(ChunkCoord::new(0, 0), &Flat), &Flat, Detail::Full, &Cancel::new()).unwrap();
     for (part, buffers) in mesh.parts() {
         assert_eq!(buffers.indices.len(), if part == ChunkPart::Ground { 64 * 64 * 6 } else { 0 });
     }

@@ -4,96 +4,15 @@ use crate::layer::Cancel;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{BlockUse, CellParcels, ParcelBrief, divide};
 use crate::space::{
-    Seed, Stream, cross, left_normal, point_in_polygon, quantize, segment_crossing, segment_distance, segments,
-    signed_area,
+    Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
 };
 use crate::style::ParcelRules;
+use crate::testing::{BlockCell, block_cell, divided};
 use crate::town::CellId;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-
-/// A cell with its streets.
-pub(crate) struct Cell {
-    pub border: Vec<DVec2>,
-    pub streets: Vec<Street>,
-}
-
-/// A bent line of `parts` segments from `a` to `b`.
-fn bent(rng: &mut Stream, a: DVec2, b: DVec2, parts: usize) -> Vec<DVec2> {
-    let bulge = left_normal(b - a) * rng.range(-0.12, 0.12);
-    let at = |t: f64| quantize(a.lerp(b, t) + bulge * (4.0 * t * (1.0 - t)));
-    (0..=parts).map(|i| at(i as f64 / parts as f64)).collect()
-}
-
-/// A cell of `columns` by `rows` crooked blocks of about `pitch` metres; some inner streets are missing, so that others
-/// end dead, and one main street may end inside.
-pub(crate) fn cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f64) -> Cell {
-    let place = |rng: &mut Stream, i: usize, j: usize| {
-        quantize(
-            DVec2::new(i as f64 + rng.signed() * 0.18, j as f64 + rng.signed() * 0.18) * pitch
-                + DVec2::new(900., -300.),
-        )
-    };
-    let mut at = vec![vec![DVec2::ZERO; rows + 1]; columns + 1];
-    at.iter_mut().enumerate().for_each(|(i, c)| c.iter_mut().enumerate().for_each(|(j, p)| *p = place(rng, i, j)));
-    let id = |i: usize, j: usize| JunctionId::of(&[i as u64, j as u64]);
-    let mut streets = Vec::new();
-    let street = |class, (i, j): (usize, usize), (k, l): (usize, usize), line| {
-        let name = StreetId::of(&[i as u64, j as u64, k as u64, l as u64]);
-        Street::new(name, class, id(i, j), id(k, l), line)
-    };
-    let corners = [(0, 0), (columns, 0), (columns, rows), (0, rows)];
-    let mut border = Vec::new();
-    let bare = rng.chance(0.3).then(|| rng.index(4));
-    let slit = rng.chance(0.4);
-    for side in 0..4 {
-        let (from, to) = (corners[side], corners[(side + 1) % 4]);
-        let steps = from.0.abs_diff(to.0) + from.1.abs_diff(to.1);
-        let step = |k: usize| {
-            let go = |a: usize, b: usize| {
-                if b > a {
-                    a + k
-                } else if a > b {
-                    a - k
-                } else {
-                    a
-                }
-            };
-            (go(from.0, to.0), go(from.1, to.1))
-        };
-        for k in 0..steps {
-            let (p, q) = (step(k), step(k + 1));
-            let line = bent(rng, at[p.0][p.1], at[q.0][q.1], 4);
-            border.extend(&line[..line.len() - 1]);
-            if bare != Some(side) {
-                let class = if side == 0 { StreetClass::Arterial } else { StreetClass::Main };
-                streets.push(street(class, p, q, line));
-            }
-            if side == 0 && k == 0 && slit {
-                // A main street that ends in the cell.
-                let (p, q) = (step(1), (1, 1));
-                let line = bent(rng, at[p.0][p.1], at[q.0][q.1], 3);
-                border.extend(line.iter().chain(line[1..line.len() - 1].iter().rev()));
-                streets.push(street(StreetClass::Main, p, q, line));
-            }
-        }
-    }
-    for i in 0..=columns {
-        for j in 0..=rows {
-            let right = (i < columns && j > 0 && j < rows).then_some((i + 1, j));
-            let up = (j < rows && i > 0 && i < columns && !(slit && (i, j) == (1, 0))).then_some((i, j + 1));
-            for to in [right, up].into_iter().flatten() {
-                let line = bent(rng, at[i][j], at[to.0][to.1], 5);
-                if rng.chance(0.85) {
-                    streets.push(street(StreetClass::Local, (i, j), to, line));
-                }
-            }
-        }
-    }
-    Cell { border, streets }
-}
 
 fn rules(rng: &mut Stream) -> ParcelRules {
     let row = rng.chance(0.4);
@@ -108,19 +27,6 @@ fn rules(rng: &mut Stream) -> ParcelRules {
         wings: 0.5,
         ..ParcelRules::default()
     }
-}
-
-pub(crate) fn divided(seed: u64, cell: &Cell, rules: &ParcelRules) -> CellParcels {
-    let streets: Vec<&Street> = cell.streets.iter().collect();
-    let brief = ParcelBrief {
-        seed: Seed(seed),
-        id: CellId(seed),
-        border: &cell.border,
-        streets: &streets,
-        rules,
-        centrality: 0.5,
-    };
-    divide(&brief, &Cancel::new()).unwrap()
 }
 
 fn edges(polygon: &[DVec2]) -> Vec<(DVec2, DVec2)> {
@@ -154,7 +60,7 @@ fn random_cells_keep_every_promise() {
         let mut rng = Seed(seed).stream("test", &[]);
         let (columns, rows) = (2 + rng.index(3), 2 + rng.index(3));
         let pitch = rng.range(55.0, 130.0);
-        let cell = cell(&mut rng, columns, rows, pitch);
+        let cell = block_cell(&mut rng, columns, rows, pitch);
         let rules = rules(&mut rng);
         let parcels = divided(seed, &cell, &rules);
         assert_eq!(parcels, divided(seed, &cell, &rules));
@@ -222,12 +128,15 @@ fn random_cells_keep_every_promise() {
 #[test]
 fn a_cell_of_slivers_or_without_streets_gives_nothing_to_build_on() {
     let triangle =
-        Cell { border: [(0., 0.), (20., 0.), (0., 9.)].map(|(x, y)| DVec2::new(x, y)).to_vec(), streets: vec![] };
+        BlockCell { border: [(0., 0.), (20., 0.), (0., 9.)].map(|(x, y)| DVec2::new(x, y)).to_vec(), streets: vec![] };
     assert_eq!(divided(1, &triangle, &ParcelRules::default()), CellParcels::default());
     let square = [(0., 0.), (90., 0.), (90., 90.), (0., 90.)].map(|(x, y)| DVec2::new(x, y)).to_vec();
-    let parcels = divided(1, &Cell { border: square, streets: vec![] }, &ParcelRules::default());
+    let parcels = divided(1, &BlockCell { border: square, streets: vec![] }, &ParcelRules::default());
     assert_eq!((parcels.blocks.len(), parcels.lots.len(), parcels.blocks[0].land_use), (1, 0, BlockUse::Park));
-    assert_eq!(divided(1, &Cell { border: vec![], streets: vec![] }, &ParcelRules::default()), CellParcels::default());
+    assert_eq!(
+        divided(1, &BlockCell { border: vec![], streets: vec![] }, &ParcelRules::default()),
+        CellParcels::default()
+    );
 }
 
 #[test]
@@ -237,7 +146,7 @@ fn a_ring_of_streets_inside_a_cell_leaves_no_hole() {
     let ring: Vec<DVec2> = vec![v(70., 70.), v(130., 70.), v(130., 130.), v(70., 130.), v(70., 70.)];
     let id = JunctionId::of(&[1]);
     let streets = vec![Street::new(StreetId::of(&[1]), StreetClass::Local, id, id, ring)];
-    let parcels = divided(3, &Cell { border, streets }, &ParcelRules { parks: 0.0, ..ParcelRules::default() });
+    let parcels = divided(3, &BlockCell { border, streets }, &ParcelRules { parks: 0.0, ..ParcelRules::default() });
     assert_eq!(parcels.blocks.len(), 3);
     parcels.blocks.iter().for_each(|b| check_simple(&b.polygon, "block"));
     assert!(parcels.lots.len() > 8);

@@ -2,7 +2,6 @@
 
 use super::filler::{CellFiller, CellStreets, CellToFill, PinnedPiece};
 use super::fillers::Fillers;
-use super::sample::{Sample, patch_sets, styles};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, Street};
 use crate::seam::APPROACH_LENGTH;
@@ -11,6 +10,7 @@ use crate::space::{
     segments,
 };
 use crate::style::{Filler, Style};
+use crate::testing::{PortCell, patch_sets, styles};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -23,7 +23,7 @@ fn line_distance(a: &[DVec2], b: &[DVec2]) -> f64 {
 }
 
 /// Everything that is wrong with a filled cell.
-pub fn defects(cell: &Sample<'_>, out: &CellStreets) -> Vec<String> {
+pub fn defects(cell: &PortCell<'_>, out: &CellStreets) -> Vec<String> {
     let mut bad = Vec::new();
     let mut places: BTreeMap<JunctionId, DVec2> = BTreeMap::new();
     for j in &out.junctions {
@@ -191,14 +191,14 @@ fn with_filler(filler: Filler) -> (Vec<Style>, Fillers) {
 }
 
 /// The filler of a cell, prepared as for a town that has no other cell.
-fn prepared(fillers: &Fillers, cell: &Sample<'_>, pinned: Vec<PinnedPiece>) -> Arc<dyn CellFiller> {
+fn prepared(fillers: &Fillers, cell: &PortCell<'_>, pinned: Vec<PinnedPiece>) -> Arc<dyn CellFiller> {
     let styles = [(Arc::new(cell.style.clone()), 1.0)];
     let to_fill = CellToFill { brief: cell.brief(), style: cell.style, styles: &styles, pinned };
     let mut prepared = fillers.prepare(&[cell.style], vec![to_fill]).expect("every style is there");
     prepared.pop().expect("one for each cell")
 }
 
-fn fill(fillers: &Fillers, cell: &Sample<'_>) -> CellStreets {
+fn fill(fillers: &Fillers, cell: &PortCell<'_>) -> CellStreets {
     prepared(fillers, cell, Vec::new()).fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
 }
 
@@ -209,7 +209,7 @@ fn every_cell_keeps_every_promise() {
         let mut failures = Vec::new();
         let mut streets = 0;
         for seed in 0..CELLS {
-            let cell = Sample::new(seed, &styles);
+            let cell = PortCell::new(seed, &styles);
             let out = fill(&fillers, &cell);
             streets += out.streets.len() as u64;
             failures.extend(defects(&cell, &out).into_iter().map(|d| format!("cell {seed}: {d}")));
@@ -225,7 +225,7 @@ fn the_same_brief_gives_the_same_streets() {
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
         for seed in [3, 14, 159] {
-            let cell = Sample::new(seed, &styles);
+            let cell = PortCell::new(seed, &styles);
             assert_eq!(fill(&fillers, &cell), fill(&fillers, &cell));
             let again = with_filler(filler).1;
             assert_eq!(fill(&fillers, &cell), fill(&again, &cell));
@@ -237,7 +237,7 @@ fn the_same_brief_gives_the_same_streets() {
 fn streets_say_which_filler_made_them() {
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
-        let out = fill(&fillers, &Sample::new(3, &styles));
+        let out = fill(&fillers, &PortCell::new(3, &styles));
         assert!(out.streets.iter().all(|s| s.made_by.filler == format!("{filler:?}")));
     }
 }
@@ -248,7 +248,7 @@ fn cancelling_stops() {
     cancel.cancel();
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
-        let cell = Sample::new(5, &styles);
+        let cell = PortCell::new(5, &styles);
         let out = prepared(&fillers, &cell, Vec::new()).fill(&cell.brief(), &cancel);
         assert_eq!(out, Err(LayerError::Cancelled));
     }
@@ -258,7 +258,7 @@ fn cancelling_stops() {
 fn cells_without_room_or_ports_are_fine() {
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
-        let mut cell = Sample::new(7, &styles);
+        let mut cell = PortCell::new(7, &styles);
         cell.ports.clear();
         assert_eq!(fill(&fillers, &cell), CellStreets::default());
         cell.border.truncate(2);
@@ -272,7 +272,7 @@ fn cells_without_room_or_ports_are_fine() {
 fn pieces_that_there_are_not_are_left_out() {
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
-        let cell = Sample::new(11, &styles);
+        let cell = PortCell::new(11, &styles);
         let at = crate::space::centroid(&cell.border);
         let pin = |piece: &str| PinnedPiece { piece: piece.into(), at, turned: 0.0, mirrored: false };
         let pinned = vec![pin("no such piece"), pin("nor this one")];
@@ -299,9 +299,9 @@ fn rounding_takes_sharp_bends_and_leaves_ends_where_they_are() {
         for style in &mut styles {
             for seed in 0..20 {
                 style.local.rounding = 0.0;
-                let plain = fill(&fillers, &Sample::new(seed, std::slice::from_ref(style)));
+                let plain = fill(&fillers, &PortCell::new(seed, std::slice::from_ref(style)));
                 style.local.rounding = 26.0;
-                let round = fill(&fillers, &Sample::new(seed, std::slice::from_ref(style)));
+                let round = fill(&fillers, &PortCell::new(seed, std::slice::from_ref(style)));
                 assert_eq!(plain.junctions, round.junctions);
                 assert_eq!(ends(&plain), ends(&round));
                 (before, after) = (before + sharp(&plain), after + sharp(&round));

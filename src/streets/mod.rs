@@ -18,8 +18,6 @@ mod contract;
 mod filler;
 mod fillers;
 mod parametric;
-#[cfg(test)]
-mod sample;
 mod semantic;
 
 pub use filler::{

@@ -13,7 +13,7 @@ use crate::plugin::{
 };
 use crate::region::Outline;
 use crate::space::{ChunkCoord, Seed};
-use crate::terrain::{Terrain, TerrainSample};
+use crate::testing::Flat;
 use crate::world::{WorldAssets, WorldSource};
 use bevy::ecs::system::SystemState;
 use glam::DVec2;
@@ -21,14 +21,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-
-struct Flat;
-
-impl Terrain for Flat {
-    fn sample(&self, _: DVec2) -> TerrainSample {
-        TerrainSample { height: 0.0, water_level: -1.0, vegetation: 0.0 }
-    }
-}
 
 /// Makes flat chunks with a ground, no water, no roads and no buildings.
 #[derive(Clone)]

@@ -164,7 +164,7 @@ impl Filler for SemanticPatches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::streets::sample::{Sample, patch_sets, styles};
+    use crate::testing::{PortCell, patch_sets, styles};
 
     #[test]
     fn a_cell_of_two_styles_has_the_patches_of_both_by_their_shares() {
@@ -172,7 +172,7 @@ mod tests {
         let sets = patch_sets(&styles);
         let by_name: BTreeMap<_, _> = styles.iter().map(|s| (s.name.clone(), Arc::new(s.clone()))).collect();
         let semantic = SemanticPatches::new(&by_name, &sets);
-        let cell = Sample::new(1, &styles);
+        let cell = PortCell::new(1, &styles);
         let weights = |parts: &[(&str, f64)]| {
             let parts: Vec<_> = parts.iter().map(|(name, share)| (by_name[*name].clone(), *share)).collect();
             let to_fill = CellToFill { brief: cell.brief(), style: cell.style, styles: &parts, pinned: Vec::new() };

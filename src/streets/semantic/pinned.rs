@@ -138,15 +138,15 @@ mod tests {
     use crate::space::{Bounds, Seed, centroid, distance_to_segment, segments};
     use crate::streets::contract::defects;
     use crate::streets::filler::{CellFiller, CellStreets};
-    use crate::streets::sample::{Sample, styles};
+    use crate::testing::{PortCell, styles};
 
     /// The filler of a cell's style.
-    fn filler(kits: &[Kit], cell: &Sample<'_>) -> PatchFiller {
+    fn filler(kits: &[Kit], cell: &PortCell<'_>) -> PatchFiller {
         let kit = kits.iter().find(|kit| kit.style.name == cell.style.name);
         kit.expect("a kit for every style").filler.clone()
     }
 
-    fn fill(filler: &PatchFiller, cell: &Sample<'_>) -> CellStreets {
+    fn fill(filler: &PatchFiller, cell: &PortCell<'_>) -> CellStreets {
         filler.fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
     }
 
@@ -174,7 +174,7 @@ mod tests {
         let (kits, styles) = (Kit::all(), styles());
         let (mut stood, mut fell) = (0, 0);
         for seed in 0..120 {
-            let cell = Sample::new(seed, &styles);
+            let cell = PortCell::new(seed, &styles);
             let mut filler = filler(&kits, &cell);
             let mut s = Seed(seed).stream("pins", &[]);
             let bounds = Bounds::of(cell.border.iter().copied());
@@ -210,7 +210,7 @@ mod tests {
         let (kits, styles) = (Kit::all(), styles());
         let (mut found, mut stood) = (0, 0);
         for seed in 200..260 {
-            let cell = Sample::new(seed, &styles);
+            let cell = PortCell::new(seed, &styles);
             let mut filler = filler(&kits, &cell);
             for k in 0..2 {
                 let patch = (seed as usize * 7 + k * 5) % filler.patches.patches.len();
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn what_cannot_be_is_left_out() {
         let (kits, styles) = (Kit::all(), styles());
-        let mut cell = Sample::new(11, &styles);
+        let mut cell = PortCell::new(11, &styles);
         let mut filler = filler(&kits, &cell);
         let at = centroid(&cell.border);
         let pin = |piece, patch, at, turned| PinnedPatch { patch, at, turned, mirrored: false, piece: Some(piece) };

@@ -5,8 +5,8 @@ use crate::layer::Cancel;
 use crate::patch::{PatchDatabase, PatchSet};
 use crate::space::{distance_to_line, line_length, math::angle_between};
 use crate::streets::filler::{CellFiller, CellStreets, StreetOrigin};
-use crate::streets::sample::{Sample, patch_sets, styles};
 use crate::style::{FieldKind, Style};
+use crate::testing::{PortCell, patch_sets, styles};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -31,12 +31,12 @@ impl Kit {
     }
 
     /// A cell of this style.
-    pub fn cell(&self, seed: u64) -> Sample<'_> {
-        Sample::new(seed, std::slice::from_ref(&self.style))
+    pub fn cell(&self, seed: u64) -> PortCell<'_> {
+        PortCell::new(seed, std::slice::from_ref(&self.style))
     }
 
     /// Fills a cell.
-    pub fn fill(&self, cell: &Sample<'_>) -> CellStreets {
+    pub fn fill(&self, cell: &PortCell<'_>) -> CellStreets {
         self.filler.fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled")
     }
 }

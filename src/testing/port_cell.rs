@@ -4,7 +4,7 @@ use crate::network::{JunctionId, StreetClass};
 use crate::patch::PatchSet;
 use crate::seam::{APPROACH_CLEARANCE, APPROACH_LENGTH, CellPort};
 use crate::space::{Seed, Stream, math, point_at, point_in_polygon, quantize, segment_crossing, segment_distance};
-use crate::streets::filler::CellBrief;
+use crate::streets::CellBrief;
 use crate::style::{FieldKind, Style};
 use crate::town::{CellId, DirectionField};
 use glam::DVec2;
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A cell with all that its brief needs.
-pub struct Sample<'a> {
+pub(crate) struct PortCell<'a> {
     pub seed: u64,
     pub border: Vec<DVec2>,
     pub half: Vec<Option<f64>>,
@@ -28,18 +28,18 @@ fn read(path: &str) -> String {
 }
 
 /// Some of the bundled styles.
-pub fn styles() -> Vec<Style> {
+pub(crate) fn styles() -> Vec<Style> {
     let style = |name: &str| Style::from_ron(&format!("{name}.ron"), &read(&format!("styles/{name}"))).expect(name);
     ["grid", "european", "organic", "suburb", "village"].map(style).into()
 }
 
 /// The patch sets that these styles name.
-pub fn patch_sets(styles: &[Style]) -> BTreeMap<String, Arc<PatchSet>> {
+pub(crate) fn patch_sets(styles: &[Style]) -> BTreeMap<String, Arc<PatchSet>> {
     let set = |name: &String| PatchSet::from_ron(name, &read(&format!("patches/{name}"))).expect(name);
     styles.iter().flat_map(|s| &s.patch_sets).map(|name| (name.clone(), Arc::new(set(name)))).collect()
 }
 
-impl<'a> Sample<'a> {
+impl<'a> PortCell<'a> {
     pub fn brief(&self) -> CellBrief<'_> {
         CellBrief {
             seed: Seed(self.seed),
