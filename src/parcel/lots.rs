@@ -7,7 +7,9 @@
 use crate::parcel::blocks::BlockShape;
 use crate::parcel::convex::{HalfPlane, clip, overlap, segment_inside, sides};
 use crate::parcel::runs::{CORNER, Run, runs};
-use crate::space::{Bounds, Stream, closest_on_line, cross, left_normal, point_at, signed_area};
+use crate::space::{
+    Bounds, Stream, closest_on_line, cross, distance_to_segment, left_normal, point_at, point_in_polygon, signed_area,
+};
 use crate::style::ParcelRules;
 use glam::DVec2;
 
@@ -37,7 +39,7 @@ pub(super) fn lots(block: &BlockShape, rules: &ParcelRules, rng: &mut Stream) ->
     for run in &runs {
         let depth = cutter.depth(run);
         for (from, to) in cutter.free(run) {
-            let cuts = frontages(run, from, to, rules, rng);
+            let cuts = follow(run, frontages(run, from, to, rules, rng));
             for cut in cuts.windows(2) {
                 cutter.lot(run, cut[0], cut[1], (from, to), depth);
             }
@@ -80,6 +82,23 @@ fn frontages(run: &Run, from: f64, to: f64, rules: &ParcelRules, rng: &mut Strea
         }
     }
     cuts
+}
+
+/// Cuts more, so that no frontage leaves its run by more than [`ON_RUN`]: wide lots on a curve become narrower.
+fn follow(run: &Run, cuts: Vec<f64>) -> Vec<f64> {
+    let mut out = vec![cuts[0]];
+    let mut rest: Vec<f64> = cuts[1..].iter().rev().copied().collect();
+    while let Some(&to) = rest.last() {
+        let from = out[out.len() - 1];
+        let (a, b) = (point_at(&run.line, from).0, point_at(&run.line, to).0);
+        let between = run.along.iter().zip(&run.line).filter(|(s, _)| **s > from + 0.01 && **s < to - 0.01);
+        let off = between.map(|(s, p)| (distance_to_segment(*p, a, b), *s));
+        match off.max_by(|x, y| x.0.total_cmp(&y.0)) {
+            Some((off, at)) if off > ON_RUN => rest.push(at),
+            _ => out.extend(rest.pop()),
+        }
+    }
+    out
 }
 
 /// Cuts a block; holds the lots so far.
@@ -236,6 +255,11 @@ impl Cutter<'_> {
         let Some((edge, width)) = frontage(&lot, front) else { return };
         let area = signed_area(&lot);
         if width < self.rules.lot_width.0 * 0.55 || area < self.rules.min_area || area < width * 5.0 {
+            return;
+        }
+        // No edge of the border runs through the lot, so any point of it tells on which side of the border it lies: a frontage
+        // that keeps clear of a bend may lie beyond a shallow block.
+        if !point_in_polygon(lot.iter().sum::<DVec2>() / lot.len() as f64, &self.block.polygon) {
             return;
         }
         lot.rotate_left(edge);

@@ -49,7 +49,7 @@ impl Default for ParcelRules {
 
 impl ParcelRules {
     /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
+    pub(crate) fn check(&self) -> Result<(), RangeError> {
         let range = RangeError::check;
         RangeError::check_pair("lot_width", self.lot_width, 4.0, 500.0)?;
         range("lot_depth", self.lot_depth, 8.0, 500.0)?;
