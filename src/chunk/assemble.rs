@@ -7,6 +7,7 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
 use crate::surface::Deck;
+use crate::terrain::DrawnGround;
 use glam::DVec2;
 
 /// Least height of a deck above water, in metres.
@@ -25,9 +26,10 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
     }
     for found in overlap.streets {
         if found.item.street.bridge {
+            let mut drawn = DrawnGround::new(&**stack.terrain());
             let floor = |p| {
-                let (plan, terrain) = (origin.to_plan(p), &**stack.terrain());
-                let (ground, at) = (Ground::height_at(terrain, plan), terrain.sample(plan));
+                let plan = origin.to_plan(p);
+                let (ground, at) = (drawn.height(plan), stack.terrain().sample(plan));
                 if at.depth() > 0.0 { ground.max(at.water_level + DECK_CLEARANCE) } else { ground }
             };
             let street = found.item.street.moved(found.origin.offset_to(origin));

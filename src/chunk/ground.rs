@@ -1,11 +1,8 @@
 //! The ground under a chunk as a triangulated grid of heights.
 
 use crate::space::Origin;
-use crate::terrain::{Terrain, TerrainSample};
+use crate::terrain::{GROUND_STEP, Terrain, TerrainSample, height_in_square};
 use glam::DVec2;
-
-/// Distance between ground vertices, in metres.
-pub const GROUND_STEP: f64 = 8.0;
 
 /// Terrain at the vertices of a square grid. Each grid square is two triangles, split from its south-west to its
 /// north-east corner; the surface of these triangles is the ground that is drawn, walked on and built on.
@@ -32,24 +29,16 @@ impl Ground {
         &self.samples[row * (self.cells + 1) + column]
     }
 
-    /// Height of the drawn ground at a local point; points outside the square are moved to its border.
-    pub fn height(&self, local: DVec2) -> f64 {
-        let p = (local / GROUND_STEP).clamp(DVec2::ZERO, DVec2::splat(self.cells as f64));
+    /// Height of the drawn ground at a local point, in metres; `None` outside the square. [`DrawnGround`](crate::terrain::DrawnGround) and
+    /// [`World::height_at`](crate::world::World::height_at) know the height everywhere.
+    pub fn height(&self, local: DVec2) -> Option<f64> {
+        let (p, edge) = (local / GROUND_STEP, DVec2::splat(self.cells as f64));
+        if !(p.cmpge(DVec2::ZERO) & p.cmple(edge)).all() {
+            return None;
+        }
         let cell = p.floor().min(DVec2::splat(self.cells as f64 - 1.0));
         let (column, row, f) = (cell.x as usize, cell.y as usize, p - cell);
         let h = |dx, dy| self.vertex(column + dx, row + dy).height;
-        interpolate([h(0, 0), h(1, 0), h(0, 1), h(1, 1)], f)
+        Some(height_in_square([h(0, 0), h(1, 0), h(0, 1), h(1, 1)], f))
     }
-
-    /// Height of the drawn ground at any plan point, without a chunk at hand.
-    pub fn height_at(terrain: &dyn Terrain, p: DVec2) -> f64 {
-        let cell = (p / GROUND_STEP).floor();
-        let h = |dx: f64, dy: f64| terrain.height((cell + DVec2::new(dx, dy)) * GROUND_STEP);
-        interpolate([h(0.0, 0.0), h(1.0, 0.0), h(0.0, 1.0), h(1.0, 1.0)], p / GROUND_STEP - cell)
-    }
-}
-
-/// Height in a grid square at `f` (0..=1 each way) from its corners SW, SE, NW, NE.
-fn interpolate([sw, se, nw, ne]: [f64; 4], f: DVec2) -> f64 {
-    if f.x >= f.y { sw + (se - sw) * f.x + (ne - se) * f.y } else { sw + (nw - sw) * f.y + (ne - nw) * f.x }
 }

@@ -5,7 +5,7 @@ mod assemble;
 mod ground;
 
 pub use assemble::assemble;
-pub use ground::{GROUND_STEP, Ground};
+pub use ground::Ground;
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};
@@ -67,10 +67,10 @@ impl Chunk {
         }
     }
 
-    /// Height of what one stands on at a local point, in metres: the drawn ground, or the deck of a bridge over it. With
-    /// `below`, only decks at most that high count, so that one can be under a bridge.
-    pub fn surface(&self, local: DVec2, below: f64) -> f64 {
+    /// Height of the surface that a walker stands on at a local point, in metres: the drawn ground, or the deck of a bridge over
+    /// it. Only decks at most `below` metres high count, so that a walker can be under a bridge. `None` outside the square.
+    pub fn surface(&self, local: DVec2, below: f64) -> Option<f64> {
         let decks = self.decks.iter().filter_map(|d| d.height(local)).filter(|h| *h <= below);
-        decks.fold(self.ground.height(local), f64::max)
+        Some(decks.fold(self.ground.height(local)?, f64::max))
     }
 }

@@ -72,6 +72,8 @@ fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         let mut of = owned("building", "building", building.item.id, building.chunk);
         of.insert("lot".into(), json!(hex(building.item.lot)));
         of.insert("storeys".into(), json!(building.item.storeys));
+        of.insert("base".into(), json!((building.item.base * 100.0).round() / 100.0));
+        of.insert("height".into(), json!((building.item.height * 100.0).round() / 100.0));
         put(feature(polygon(&building.item.polygon, origin), of))?;
     }
     Ok(())

@@ -74,7 +74,8 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
         }
         for building in &area.footprints {
             let levels = ("building:levels", building.item.storeys.to_string());
-            ways.push((file.ring(&building.item.polygon)?, vec![("building", "yes".into()), levels]));
+            let height = ("height", format!("{:.1}", building.item.height));
+            ways.push((file.ring(&building.item.polygon)?, vec![("building", "yes".into()), levels, height]));
         }
     }
     for (i, (nodes, tags)) in ways.iter().enumerate() {

@@ -29,6 +29,23 @@ pub(super) fn blend(a: Rgb, b: Rgb, t: f32) -> Rgb {
 }
 
 impl MeshBuffers {
+    /// Texture coordinates for each vertex, in metres, so that a texture repeats at its true size.
+    ///
+    /// On floors, roofs and the ground, u runs to the east and v to the south from the chunk's south-west corner. Chunks are
+    /// whole metres wide, so a texture that is one metre wide, or a divisor of the chunk's edge, goes on over their borders.
+    /// On walls, u runs along the wall, to the right of someone who looks at it, and v downwards from height 0.
+    pub fn texture_coordinates(&self) -> Vec<[f32; 2]> {
+        let place = |(position, normal): (&[f32; 3], &[f32; 3])| {
+            let ([x, y, z], normal) = (*position, Vec3::from(*normal));
+            // To the right of someone who looks against the normal.
+            match Vec3::Y.cross(normal).try_normalize() {
+                Some(right) if normal.y.abs() < 0.7 => [Vec3::new(x, y, z).dot(right), -y],
+                _ => [x, z],
+            }
+        };
+        self.positions.iter().zip(&self.normals).map(place).collect()
+    }
+
     /// Adds a vertex (plan x, plan y, height) and returns its index.
     pub(super) fn vertex(&mut self, at: DVec3, normal: DVec3, colour: Rgb, alpha: f32) -> u32 {
         let index = self.positions.len() as u32;
@@ -58,6 +75,36 @@ impl MeshBuffers {
         }
         for i in 1..n.saturating_sub(1) as u32 {
             self.triangle([first, first + i, first + i + 1]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_keep_their_size_and_are_not_mirrored() {
+        let mut mesh = MeshBuffers::default();
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        // A floor, a wall that faces south and one that faces south-west, each seen from its front.
+        let faces = [
+            [at(2.0, 3.0, 5.0), at(6.0, 3.0, 5.0), at(6.0, 5.0, 5.0), at(2.0, 5.0, 5.0)],
+            [at(0.0, 0.0, 0.0), at(7.0, 0.0, 0.0), at(7.0, 0.0, 3.0), at(0.0, 0.0, 3.0)],
+            [at(0.0, 4.0, 0.0), at(3.0, 0.0, 0.0), at(3.0, 0.0, 2.0), at(0.0, 4.0, 2.0)],
+        ];
+        for face in &faces {
+            mesh.face(face, [1.0; 3]);
+        }
+        let places = mesh.texture_coordinates();
+        for (face, points) in places.chunks(4).zip(&faces) {
+            let [right, up] = [1, 3].map(|i| {
+                let by = [face[i][0] - face[0][0], face[i][1] - face[0][1]];
+                assert!((f64::from(by[0].hypot(by[1])) - points[i].distance(points[0])).abs() < 1e-5);
+                by
+            });
+            // v runs down an image, so a face that is not mirrored goes around clockwise.
+            assert!(right[0] > 0.0 && right[0] * up[1] - right[1] * up[0] < 0.0, "{face:?}");
         }
     }
 }

@@ -5,18 +5,9 @@ use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Drape;
 use crate::mesh::roofs::{Roof, cap, roof};
 use crate::mesh::windows::{Facade, windows};
-use crate::parcel::{Footprint, Lot};
+use crate::parcel::{Footprint, Lot, STOREY_HEIGHT};
 use crate::space::{Bounds, stable_hash};
 use glam::DVec2;
-
-/// Height of a storey, in metres.
-const STOREY_HEIGHT: f64 = 3.0;
-
-/// Height of the walls above the last storey, in metres.
-const PARAPET: f64 = 0.5;
-
-/// Height of the uphill ground above the downhill ground, in metres, up to which the ground floor lies at the uphill ground.
-const MOST_STEP: f64 = 2.0;
 
 /// Depth in the ground to which walls reach, in metres, near and in the distance.
 const FOOT: f64 = 0.6;
@@ -65,11 +56,11 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
             row.iter().map(|(_, f)| (Bounds::of(f.polygon.iter().copied()), &*f.polygon)).collect();
         for (_, footprint) in row {
             let lot = lot_of(footprint);
-            let floor = building(&mut solids, footprint, lot, drape, full);
+            building(&mut solids, footprint, lot, drape, full);
             if full {
                 let facade = Facade {
                     plan: &footprint.polygon,
-                    floor,
+                    floor: footprint.base,
                     storeys: footprint.storeys,
                     storey_height: STOREY_HEIGHT,
                     street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
@@ -82,15 +73,11 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
     (solids, panes)
 }
 
-/// Adds a building and returns the height of its ground floor, in metres.
-fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) -> f64 {
+/// Adds a building.
+fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) {
     let plan = &footprint.polygon;
-    let grounds = plan.iter().map(|p| drape.height(*p));
-    let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
-    // The ground floor is entered from the uphill side, unless that would bury it.
-    let floor = high.min(low + MOST_STEP);
-    let base = low - if full { FOOT } else { FAR_FOOT };
-    let eaves = floor + f64::from(footprint.storeys) * STOREY_HEIGHT + PARAPET;
+    let foot = plan.iter().map(|p| drape.height(*p)).fold(f64::INFINITY, f64::min) - if full { FOOT } else { FAR_FOOT };
+    let eaves = footprint.base + footprint.height;
     let pick = |salt: u64, n: usize| (stable_hash(&[footprint.id, salt]) % n as u64) as usize;
     // The buildings of a block have similar colours.
     let block = lot.map_or(footprint.id, |l| l.block);
@@ -103,10 +90,9 @@ fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, dra
     let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
     // A box in the distance keeps the colour of the roof and some of its height.
     let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + FAR_ROOF) };
-    walls(out, plan, base, eaves, wall);
+    walls(out, plan, foot, eaves, wall);
     shape.build(out, plan, eaves, colour, wall);
-    cap(out, plan, base, false, wall);
-    floor
+    cap(out, plan, foot, false, wall);
 }
 
 /// The walls of a building from height `low` to `high`.

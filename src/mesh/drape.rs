@@ -1,12 +1,12 @@
 //! Laying flat shapes on the drawn ground. Shapes are cut along the triangles of the ground, so that they follow it exactly and
 //! it never shows through.
 
-use crate::chunk::{Chunk, GROUND_STEP};
+use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb};
 use crate::network::StreetId;
 use crate::space::{Bounds, cross};
 use crate::surface::Deck;
-use crate::terrain::Terrain;
+use crate::terrain::{GROUND_STEP, Terrain};
 use glam::{DVec2, DVec3, IVec2};
 use std::collections::BTreeMap;
 

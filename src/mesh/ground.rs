@@ -1,9 +1,9 @@
 //! The ground and the water on it.
 
-use crate::chunk::{Chunk, GROUND_STEP};
+use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Drape;
-use crate::terrain::TerrainSample;
+use crate::terrain::{GROUND_STEP, TerrainSample};
 use glam::{DVec2, DVec3, IVec2};
 
 const GRASS: Rgb = [0.125, 0.205, 0.052];

@@ -8,7 +8,7 @@ use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_ar
 use crate::stack::PlacedStreet;
 use crate::style::ParcelRules;
 use crate::surface::Deck;
-use crate::terrain::{Terrain, TerrainSample};
+use crate::terrain::{DrawnGround, Terrain, TerrainSample};
 use crate::testing::{Flat, block_cell, divided};
 use glam::{DVec2, Vec3};
 use std::collections::BTreeMap;
@@ -132,7 +132,7 @@ fn streets_are_covered_once_and_kerbs_never_cross_them() {
             }
             let middle = (plan[0] + plan[1] + plan[2]) / 3.0;
             let drawn = f64::from(t[0].y + t[1].y + t[2].y) / 3.0;
-            heights.push((middle, drawn - Ground::height_at(&Hills, chunk.origin.to_plan(middle))));
+            heights.push((middle, drawn - DrawnGround::new(&Hills).height(chunk.origin.to_plan(middle))));
         }
         assert!(heights.iter().all(|(_, lift)| (0.09..0.25).contains(lift)), "streets follow the ground");
         let covered = |p: DVec2| {
@@ -206,7 +206,8 @@ fn bridges_span_and_long_roads_leave_the_square() {
             Street::new(StreetId::of(&[k as u64]), StreetClass::Major, id(k as u64), id(k as u64 + 1), line);
         street.bridge = k == 1;
         if street.bridge {
-            chunk.decks.push(Deck::new(&street, &[], |p| chunk.ground.height(p)));
+            let mut drawn = DrawnGround::new(&Hills);
+            chunk.decks.push(Deck::new(&street, &[], |p| drawn.height(chunk.origin.to_plan(p))));
         }
         chunk.streets.push(PlacedStreet { street, made_by: None });
     }
@@ -244,7 +245,7 @@ fn kerbs_face_the_carriageway_and_outer_sides_face_away() {
         let middle = (t[0] + t[1] + t[2]) / 3.0;
         let plan = |v: Vec3| DVec2::new(f64::from(v.x), f64::from(-v.z));
         let (here, ahead) = (plan(middle), plan(middle + normal * 0.3));
-        let lift = |v: &Vec3| f64::from(v.y) - Ground::height_at(&Hills, chunk.origin.to_plan(plan(*v)));
+        let lift = |v: &Vec3| f64::from(v.y) - DrawnGround::new(&Hills).height(chunk.origin.to_plan(plan(*v)));
         let kerb = t.iter().map(lift).fold(f64::INFINITY, f64::min) > 0.02;
         let width = if kerb { |s: &Street| s.class.carriageway() / 2.0 } else { |s: &Street| s.class.half_width() };
         let nearer = outside(ahead, width) < outside(here, width);

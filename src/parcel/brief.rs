@@ -1,8 +1,9 @@
 //! What is given to divide a main cell.
 
 use crate::network::Street;
-use crate::space::Seed;
+use crate::space::{Origin, Seed};
 use crate::style::ParcelRules;
+use crate::terrain::Terrain;
 use crate::town::CellId;
 use glam::DVec2;
 
@@ -20,4 +21,8 @@ pub struct ParcelBrief<'a> {
     pub rules: &'a ParcelRules,
     /// How central the cell is, from 0 at the settlement's outline to 1 at its centre.
     pub centrality: f64,
+    /// The ground, which buildings stand on.
+    pub terrain: &'a dyn Terrain,
+    /// Plan point that positions are local to.
+    pub origin: Origin,
 }

@@ -3,10 +3,11 @@
 use crate::layer::{Cancel, LayerError};
 use crate::parcel::blocks::{BlockShape, blocks};
 use crate::parcel::brief::ParcelBrief;
-use crate::parcel::footprints::{footprint, storeys};
-use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot};
+use crate::parcel::footprints::{PARAPET, footprint, ground_floor, storeys};
+use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};
 use crate::parcel::lots::lots;
 use crate::space::{QUANTUM, quantize, stable_hash};
+use crate::terrain::DrawnGround;
 use glam::DVec2;
 
 /// Greatest length of a park's border without a street, in metres: corners of streets of different widths leave a little.
@@ -24,6 +25,7 @@ const MOST_OPEN: f64 = 12.0;
 /// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, LayerError> {
     let mut out = CellParcels::default();
+    let mut ground = DrawnGround::new(brief.terrain);
     let shapes = blocks(brief.border, brief.streets);
     cancel.check()?;
     for shape in shapes {
@@ -39,11 +41,14 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
             let mut rng = brief.seed.stream("parcel", &[brief.id.0, lot_id]);
             let built = !rng.chance(brief.rules.vacant);
             if let Some(plan) = built.then(|| footprint(&lot, brief.rules, &mut rng)).flatten() {
+                let storeys = storeys(brief.rules, brief.centrality, &mut rng);
                 out.footprints.push(Footprint {
                     id: stable_hash(&[lot_id, 1]),
                     lot: lot_id,
+                    base: ground_floor(plan.iter().map(|p| ground.height(brief.origin.to_plan(*p)))),
+                    height: f64::from(storeys) * STOREY_HEIGHT + PARAPET,
                     polygon: plan,
-                    storeys: storeys(brief.rules, brief.centrality, &mut rng),
+                    storeys,
                 });
             }
             out.lots.push(Lot { id: lot_id, block: id, polygon, street: brief.streets[lot.street].id });

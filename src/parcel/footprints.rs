@@ -19,6 +19,12 @@ const YARD: f64 = 3.5;
 /// Buildings closer than this (metres) to the sides of their lots count as a closed row.
 const ROW: f64 = 0.6;
 
+/// Height of the walls above the last storey, in metres.
+pub(super) const PARAPET: f64 = 0.5;
+
+/// Height of the uphill ground above the downhill ground, in metres, up to which the ground floor lies at the uphill ground.
+const MOST_STEP: f64 = 2.0;
+
 /// The ground plan of a building on a lot, counter-clockwise; `None` where too little room is left.
 pub(super) fn footprint(lot: &LotShape, rules: &ParcelRules, rng: &mut Stream) -> Option<Vec<DVec2>> {
     let mut edges = sides(&lot.polygon);
@@ -121,6 +127,13 @@ fn house(room: &[DVec2], depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
         }
     }
     Some(plan)
+}
+
+/// Height of the ground floor above ground with these heights at the corners of a building, in metres.
+pub(super) fn ground_floor(corners: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    // The ground floor is entered from the uphill side, unless that would bury it.
+    high.min(low + MOST_STEP)
 }
 
 /// Number of storeys: more towards the centre, with some variance.

@@ -3,6 +3,9 @@
 use crate::network::StreetId;
 use glam::DVec2;
 
+/// Height of a storey, in metres.
+pub const STOREY_HEIGHT: f64 = 3.0;
+
 /// What a block is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockUse {
@@ -47,6 +50,10 @@ pub struct Footprint {
     pub polygon: Vec<DVec2>,
     /// Number of storeys, at least 1.
     pub storeys: u32,
+    /// Height of the ground floor, in metres.
+    pub base: f64,
+    /// Height of the walls above the ground floor, in metres. A pitched roof rises above them.
+    pub height: f64,
 }
 
 /// Blocks, lots and buildings of a main cell.

@@ -14,4 +14,4 @@ pub(crate) mod tests;
 
 pub use brief::ParcelBrief;
 pub use divide::divide;
-pub use land::{Block, BlockUse, CellParcels, Footprint, Lot};
+pub use land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};

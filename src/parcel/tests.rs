@@ -4,10 +4,10 @@ use crate::layer::Cancel;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{BlockUse, CellParcels, ParcelBrief, divide};
 use crate::space::{
-    Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
+    Origin, Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
 };
 use crate::style::ParcelRules;
-use crate::testing::{BlockCell, block_cell, divided};
+use crate::testing::{BlockCell, Flat, block_cell, divided};
 use crate::town::CellId;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -166,6 +166,15 @@ fn a_cancelled_division_stops() {
     let cancel = Cancel::new();
     cancel.cancel();
     let rules = ParcelRules::default();
-    let brief = ParcelBrief { seed: Seed(1), id: CellId(1), border: &[], streets: &[], rules: &rules, centrality: 1.0 };
+    let brief = ParcelBrief {
+        seed: Seed(1),
+        id: CellId(1),
+        border: &[],
+        streets: &[],
+        rules: &rules,
+        centrality: 1.0,
+        terrain: &Flat,
+        origin: Origin::default(),
+    };
     assert!(divide(&brief, &cancel).is_err());
 }

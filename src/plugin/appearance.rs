@@ -81,9 +81,11 @@ pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
 
 fn to_mesh(buffers: MeshBuffers, keep: bool) -> Mesh {
     let usage = if keep { RenderAssetUsages::default() } else { RenderAssetUsages::RENDER_WORLD };
+    let places = buffers.texture_coordinates();
     Mesh::new(PrimitiveTopology::TriangleList, usage)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, buffers.positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, buffers.normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, places)
         .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, buffers.colours)
         .with_inserted_indices(Indices::U32(buffers.indices))
 }

@@ -3,7 +3,7 @@
 use super::chunk::{ChunkData, ChunkStatus};
 use super::frame_time::Stopwatch;
 use super::origin::SprawlOrigin;
-use super::source::SprawlSource;
+use super::source::{SprawlSource, SprawlWorld};
 use crate::chunk::Chunk;
 use crate::network::{JunctionId, StreetClass};
 use crate::space::ChunkCoord;
@@ -76,6 +76,7 @@ fn draw(
     origin: Res<SprawlOrigin>,
     chunks: Query<(&ChunkCoord, &Transform, &ChunkStatus, Option<&ChunkData>)>,
     source: Res<SprawlSource>,
+    world: Res<SprawlWorld>,
 ) {
     let _running = stopwatch.start();
     let (_, colours) = store.config::<SprawlGizmos>();
@@ -94,7 +95,10 @@ fn draw(
             continue;
         };
         let at = |p: DVec2| {
-            transform.translation + Vec3::new(p.x as f32, (chunk.ground.height(p) + LIFT) as f32, -p.y as f32)
+            // Streets leave the chunk's square.
+            let elsewhere = || world.get().map_or(0.0, |world| world.height_at(chunk.origin.to_plan(p)));
+            let height = chunk.ground.height(p).unwrap_or_else(elsewhere);
+            transform.translation + Vec3::new(p.x as f32, (height + LIFT) as f32, -p.y as f32)
         };
         if let Some(colour) = colours.chunk_borders {
             let size = chunk.size as f64;

@@ -102,7 +102,7 @@ impl Sprawl<'_, '_> {
     fn surface(&self, p: DVec2, below: f64) -> Option<f64> {
         let world = self.world()?;
         let loaded = self.data(self.chunk_containing(p)?);
-        let surface = loaded.map(|ChunkData(chunk)| chunk.surface(chunk.origin.to_local(p), below));
+        let surface = loaded.and_then(|ChunkData(chunk)| chunk.surface(chunk.origin.to_local(p), below));
         Some(surface.unwrap_or_else(|| world.height_at(p)))
     }
 

@@ -179,6 +179,8 @@ impl Stack {
                 border: &of.border,
                 streets: &streets,
                 rules: if of.cell_use == CellUse::Open { &park } else { rules },
+                terrain: &*self.terrain,
+                origin: plan.origin,
                 centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)

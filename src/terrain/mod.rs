@@ -24,6 +24,7 @@
 //! ```
 
 mod contract;
+mod drawn;
 mod field;
 mod ground;
 mod lake;
@@ -35,6 +36,8 @@ mod river;
 mod settings;
 
 pub use self::contract::{Scan, Terrain, TerrainSample};
+pub(crate) use self::drawn::height_in_square;
+pub use self::drawn::{DrawnGround, GROUND_STEP};
 pub use self::noise::NoiseTerrain;
 #[cfg(feature = "noise")]
 pub use self::noise_fn::{NoiseFnSettings, NoiseFnTerrain};

@@ -2,7 +2,7 @@
 
 use crate::export::Plan;
 use crate::network::{Junction, JunctionId, SizeClass, Street, StreetClass, StreetId};
-use crate::parcel::{Block, BlockUse, Footprint, Lot};
+use crate::parcel::{Block, BlockUse, Footprint, Lot, STOREY_HEIGHT};
 use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};
 use crate::stack::PlacedStreet;
@@ -86,7 +86,9 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
             let (id, at) = (id * 10 + n, middle + DVec2::new(side, side));
             let street = street.item.street.id;
             lots.push(Owned { chunk, item: Lot { id, block: k as u64 + 1000, polygon: square(at, 14.0), street } });
-            let building = Footprint { id: id + 50_000, lot: id, polygon: square(at, 8.0), storeys: 2 + n as u32 };
+            let (polygon, storeys) = (square(at, 8.0), 2 + n as u32);
+            let (base, height) = (5.0, f64::from(storeys) * STOREY_HEIGHT);
+            let building = Footprint { id: id + 50_000, lot: id, polygon, storeys, base, height };
             footprints.push(Owned { chunk, item: building });
         }
     }

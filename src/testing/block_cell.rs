@@ -3,8 +3,9 @@
 use crate::layer::Cancel;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{CellParcels, ParcelBrief, divide};
-use crate::space::{Seed, Stream, left_normal, quantize};
+use crate::space::{Origin, Seed, Stream, left_normal, quantize};
 use crate::style::ParcelRules;
+use crate::testing::Flat;
 use crate::town::CellId;
 use glam::DVec2;
 
@@ -99,6 +100,8 @@ pub(crate) fn divided(seed: u64, cell: &BlockCell, rules: &ParcelRules) -> CellP
         streets: &streets,
         rules,
         centrality: 0.5,
+        terrain: &Flat,
+        origin: Origin::default(),
     };
     divide(&brief, &Cancel::new()).unwrap()
 }

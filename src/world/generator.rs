@@ -5,15 +5,15 @@ use super::assets::{WorldAssets, WorldError};
 use super::route::Route;
 use super::settings::Settings;
 use super::source::WorldSource;
-use crate::chunk::{self, Chunk, Ground};
+use crate::chunk::{self, Chunk};
 use crate::edits::{Edits, RejectedEdit};
 use crate::layer::{Cancel, LayerCache, LayerError, Reach};
 use crate::mesh::{self, ChunkMesh, Detail};
-use crate::network::Street;
+use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::{Roads, Settlement, Settlements};
 use crate::space::{Bounds, ChunkCoord, Origin, Seed, closest_on_line};
-use crate::stack::{SeamedTown, Stack, StackParts};
-use crate::terrain::Terrain;
+use crate::stack::{AtOrigin, Overlap, PlacedStreet, SeamedTown, Stack, StackParts};
+use crate::terrain::{DrawnGround, Terrain};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -183,7 +183,33 @@ impl World {
 
     /// Height of the drawn ground at a plan point, in metres.
     pub fn height_at(&self, p: DVec2) -> f64 {
-        Ground::height_at(&**self.terrain(), p)
+        DrawnGround::new(&**self.terrain()).height(p)
+    }
+
+    /// The street with an id, if it overlaps a box (plan metres). An id does not tell where the street lies.
+    pub fn street(
+        &self,
+        id: StreetId,
+        bounds: Bounds,
+        cancel: &Cancel,
+    ) -> Result<Option<AtOrigin<PlacedStreet>>, LayerError> {
+        let overlap = self.overlapping("street", bounds, cancel)?;
+        Ok(overlap.streets.into_iter().find(|found| found.item.street.id == id))
+    }
+
+    /// The junction with an id, if a street that overlaps a box (plan metres) ends there.
+    pub fn junction(
+        &self,
+        id: JunctionId,
+        bounds: Bounds,
+        cancel: &Cancel,
+    ) -> Result<Option<AtOrigin<Junction>>, LayerError> {
+        let overlap = self.overlapping("junction", bounds, cancel)?;
+        Ok(overlap.junctions.into_iter().find(|found| found.item.id == id))
+    }
+
+    fn overlapping(&self, question: &'static str, bounds: Bounds, cancel: &Cancel) -> Result<Overlap, LayerError> {
+        self.inner.stack.overlapping(bounds, &Reach::new(question, bounds, 0.0), cancel)
     }
 
     /// The settlement whose outline holds a plan point.
@@ -194,7 +220,7 @@ impl World {
     /// The street nearest to a plan point, within `reach` metres.
     pub fn nearest_street(&self, p: DVec2, reach: f64, cancel: &Cancel) -> Result<Option<NearestStreet>, LayerError> {
         let bounds = Bounds::square(p, 2.0 * reach);
-        let overlap = self.inner.stack.overlapping(bounds, &Reach::new("nearest street", bounds, 0.0), cancel)?;
+        let overlap = self.overlapping("nearest street", bounds, cancel)?;
         let mut best: Option<NearestStreet> = None;
         for found in overlap.streets {
             let local = found.origin.to_local(p);

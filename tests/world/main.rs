@@ -9,6 +9,7 @@ use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::parcel::STOREY_HEIGHT;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
 use bevy_sprawl::terrain::{Raster, RasterTerrain, Terrain, TerrainSample};
 use bevy_sprawl::town::MainStreet;
@@ -345,11 +346,55 @@ fn one_stands_on_bridges_and_under_them() {
         let coord = ChunkCoord::containing(middle, world.settings().chunk_size);
         let chunk = world.chunk(coord, &Cancel::new()).unwrap();
         let local = chunk.origin.to_local(middle);
-        let (deck, bed) = (chunk.surface(local, f64::INFINITY), chunk.ground.height(local));
+        let (deck, bed) = (chunk.surface(local, f64::INFINITY).unwrap(), chunk.ground.height(local).unwrap());
         assert!(deck > bed && deck > world.terrain().sample(middle).water_level, "{middle}: {deck} {bed}");
-        assert_eq!(chunk.surface(local, bed), bed);
+        assert_eq!(chunk.surface(local, bed), Some(bed));
         assert!((bed - world.height_at(middle)).abs() < 1e-9);
         stood += 1;
     }
     assert!(stood > 3, "{stood}");
+}
+
+#[test]
+fn buildings_know_their_heights_and_chunks_only_their_own_ground() {
+    let world = world(19, &Settings::default());
+    let chunk = world.chunk(built_up(&world, DVec2::ZERO), &Cancel::new()).unwrap();
+    let edge = chunk.size as f64;
+    for outside in [DVec2::new(-0.01, 5.0), DVec2::new(5.0, edge + 0.01), DVec2::new(f64::NAN, 5.0)] {
+        assert_eq!((chunk.ground.height(outside), chunk.surface(outside, 1e9)), (None, None), "{outside}");
+    }
+    for inside in [DVec2::ZERO, DVec2::splat(edge), DVec2::new(3.7, edge), DVec2::new(200.25, 17.5)] {
+        let height = world.height_at(chunk.origin.to_plan(inside));
+        assert!((chunk.ground.height(inside).unwrap() - height).abs() < 1e-9, "{inside}");
+    }
+    let mut stepped = 0;
+    for building in &chunk.footprints {
+        let grounds = building.polygon.iter().map(|p| world.height_at(chunk.origin.to_plan(*p)));
+        let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
+        assert!((low..=high).contains(&building.base) && building.base <= low + 2.0);
+        assert!(building.base == high || high > low + 2.0);
+        let walls = f64::from(building.storeys) * STOREY_HEIGHT;
+        assert!((walls..walls + 1.0).contains(&building.height));
+        stepped += usize::from(high > low + 0.1);
+    }
+    assert!(chunk.footprints.len() > 20 && stepped > 0);
+}
+
+#[test]
+fn streets_and_junctions_are_found_by_their_ids() {
+    let world = world(23, &Settings::default());
+    let chunk = world.chunk(built_up(&world, DVec2::ZERO), &Cancel::new()).unwrap();
+    let bounds = chunk.coord.bounds(chunk.size);
+    for placed in chunk.streets.iter().step_by(7) {
+        let found = world.street(placed.street.id, bounds, &Cancel::new()).unwrap();
+        // A street belongs to the chunk that holds its middle, so part of it overlaps the chunk.
+        let found = found.expect("a street of the chunk");
+        assert_eq!(found.item.moved(found.origin.offset_to(chunk.origin)), *placed);
+    }
+    for junction in chunk.junctions.iter().step_by(7) {
+        let found = world.junction(junction.id, bounds, &Cancel::new()).unwrap().expect("a junction of the chunk");
+        assert_eq!(found.item.at + found.origin.offset_to(chunk.origin), junction.at);
+    }
+    let far = Bounds::square(DVec2::splat(90_000.0), 100.0);
+    assert!(world.street(chunk.streets[0].street.id, far, &Cancel::new()).unwrap().is_none());
 }

@@ -3,7 +3,7 @@
 use crate::fail::Fail;
 use bevy_sprawl::export::{RoadLine, lines};
 use bevy_sprawl::map::{Map, MapCoordinates, MapOptions};
-use bevy_sprawl::parcel::{Block, BlockUse, Footprint};
+use bevy_sprawl::parcel::{Block, BlockUse, Footprint, STOREY_HEIGHT};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Geographic, Origin};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
 use bevy_sprawl::world::{Area, Owned};
@@ -57,7 +57,9 @@ pub fn area(map: &Map, chunk_size: i64) -> Area {
     for (i, building) in map.buildings.iter().enumerate() {
         let polygon = building.outline.iter().map(|p| origin.to_local(*p)).collect();
         let storeys = building.storeys.unwrap_or(STOREYS);
-        area.footprints.push(Owned { chunk: owner, item: Footprint { id: i as u64, lot: 0, polygon, storeys } });
+        let height = building.height.unwrap_or(f64::from(storeys) * STOREY_HEIGHT);
+        let item = Footprint { id: i as u64, lot: 0, polygon, storeys, base: 0.0, height };
+        area.footprints.push(Owned { chunk: owner, item });
     }
     area
 }
