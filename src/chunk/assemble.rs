@@ -13,7 +13,11 @@ use glam::DVec2;
 /// Least height of a deck above water, in metres.
 const DECK_CLEARANCE: f64 = 1.0;
 
-/// What the chunk `coord` of edge `size` metres owns.
+/// Gathers what the chunk `coord` of edge `size` metres owns.
+///
+/// # Errors
+///
+/// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
     let overlap = stack.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
@@ -29,8 +33,8 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
             let mut drawn = DrawnGround::new(&**stack.terrain());
             let floor = |p| {
                 let plan = origin.to_plan(p);
-                let (ground, at) = (drawn.height(plan), stack.terrain().sample(plan));
-                if at.depth() > 0.0 { ground.max(at.water_level + DECK_CLEARANCE) } else { ground }
+                let (ground, sample) = (drawn.height(plan), stack.terrain().sample(plan));
+                if sample.depth() > 0.0 { ground.max(sample.water_level + DECK_CLEARANCE) } else { ground }
             };
             let street = found.item.street.moved(found.origin.offset_to(origin));
             let below = if street.level > 0 { passed_over(stack, &street, origin, cancel)? } else { Vec::new() };
@@ -58,7 +62,7 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
     Ok(chunk)
 }
 
-/// Roads below a bridge, whole and local to an origin, wherever the chunk is from which one looks at it.
+/// Roads below a bridge, whole and local to `origin`: every chunk under the bridge finds the same roads.
 fn passed_over(stack: &Stack, bridge: &Street, origin: Origin, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
     let near = stack.roads().overlapping(bridge.bounds().moved(origin.plan()), cancel)?;
     let lower = near.iter().filter(|r| r.street.level < bridge.level && !r.street.tunnel);

@@ -8,9 +8,9 @@ use glam::DVec2;
 /// north-east corner; the surface of these triangles is the ground that is drawn, walked on and built on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
-    /// Squares along an edge.
+    /// Number of grid squares along an edge.
     pub cells: usize,
-    /// Terrain at (column, row) in element `row * (cells + 1) + column`, from the south-west corner.
+    /// Terrain at (column, row) in element `row * (cells + 1) + column`, counted from the south-west corner.
     pub samples: Vec<TerrainSample>,
 }
 

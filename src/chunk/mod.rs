@@ -16,34 +16,34 @@ use crate::surface::Deck;
 use glam::DVec2;
 use std::sync::Arc;
 
-/// What a chunk owns. Positions are local to `origin`.
+/// What a chunk owns, and the ground under it. Positions are local to `origin`.
 #[derive(Clone, Debug)]
 pub struct Chunk {
     /// Name of the chunk.
     pub coord: ChunkCoord,
-    /// Its south-west corner.
+    /// South-west corner of the chunk.
     pub origin: Origin,
-    /// Length of its edge in metres.
+    /// Edge of the chunk in metres.
     pub size: i64,
-    /// Height of the ground on a grid over the square.
+    /// The ground, on a grid over the square.
     pub ground: Ground,
-    /// Junctions that lie in it, sorted by id.
+    /// Junctions in the square, sorted by id.
     pub junctions: Vec<Junction>,
-    /// Streets whose midpoint lies in it, sorted by id. Their ends may lie in other chunks: join by id.
+    /// Streets whose midpoint lies in the square, sorted by id. Their ends may lie in other chunks: join by id.
     pub streets: Vec<PlacedStreet>,
-    /// Streets of other chunks that end at one of `junctions`, sorted by id: with them a junction knows all that meets there.
+    /// Streets of other chunks that end at one of `junctions`, sorted by id: with them every street at a junction is known.
     pub arriving: Vec<Street>,
-    /// Blocks of the main cells it owns.
+    /// Blocks of the chunk's main cells.
     pub blocks: Vec<Block>,
-    /// Lots of the main cells it owns.
+    /// Lots of the chunk's main cells.
     pub lots: Vec<Lot>,
-    /// Buildings of the main cells it owns.
+    /// Buildings of the chunk's main cells.
     pub footprints: Vec<Footprint>,
-    /// Settlements whose outline overlaps its square, sorted by id.
+    /// Settlements whose outline overlaps the square, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
-    /// Decks of the bridges that come over its square, whoever owns them.
+    /// Decks of all bridges over the square, whichever chunks own the bridges.
     pub decks: Vec<Deck>,
-    /// Number of unmet ports in the main cells it owns; 0 unless a filler has a defect.
+    /// Number of unmet ports in the chunk's main cells; 0 unless a filler has a defect.
     pub unmet_ports: usize,
 }
 

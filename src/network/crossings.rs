@@ -19,8 +19,8 @@ struct Segment {
     junctions: [Option<JunctionId>; 2],
 }
 
-/// Local points where two streets of the same level, or two parts of one street, cross, touch or overlap without a junction of
-/// both. Decided with exact predicates. Where streets overlap, there is one point for each pair of segments.
+/// Local points, in metres, where two streets of the same level, or two parts of one street, cross, touch or overlap without
+/// sharing a junction there. Exact predicates decide. Where streets overlap, there is one point for each pair of segments.
 pub fn crossings(streets: &[&Street]) -> Vec<DVec2> {
     let mut all = Vec::new();
     for (s, street) in streets.iter().enumerate() {
@@ -52,10 +52,10 @@ pub fn crossings(streets: &[&Street]) -> Vec<DVec2> {
     found.into_iter().map(|(_, at)| DVec2::from_array(at.map(f64::from_bits))).collect()
 }
 
-/// Where two segments meet although they have no junction there.
+/// Where two segments meet other than at an end that they may share.
 fn forbidden(a: &Segment, b: &Segment) -> Option<DVec2> {
     let meeting = segment_crossing(a.ends[0], a.ends[1], b.ends[0], b.ends[1])?;
-    // The end that they may share: a junction of both streets, or the next point of the same street.
+    // Segments may share one end: a junction of both streets, or the next point of the same street.
     let mut shared = None;
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
         let junction = a.junctions[i].is_some() && a.junctions[i] == b.junctions[j];

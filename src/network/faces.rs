@@ -31,7 +31,7 @@ impl Face {
     }
 }
 
-/// Number of steps around a face that memory is reserved for.
+/// Memory is reserved for faces with this many half-edges.
 const RESERVED: usize = 16;
 
 impl<E: Clone> PlanarGraph<E> {

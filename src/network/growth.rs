@@ -1,6 +1,6 @@
 //! Parametric growth on empty ground, by the rules of Teng 2017 alone (Fig. 3; connect, clip and discard of section 3.3).
 //!
-//! Main and local streets of towns grow by the same rules and keep more besides: room between streets, borders, the ground.
+//! Main and local streets of towns follow these rules too, and also respect room between streets, borders and the ground.
 //! This module serves to study the parameters themselves.
 
 use crate::network::{EdgeIx, PlanarGraph, VertexIx};
@@ -10,13 +10,13 @@ use glam::DVec2;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Parameters of growth (Teng 2017, Fig. 3). Lengths in metres. The defaults are the values that section 4.2 of the paper keeps
-/// fixed, and the middle of the ranges that it varies.
+/// Parameters of growth (Teng 2017, Fig. 3). Lengths are in metres. The defaults are the values that section 4.2 of the paper
+/// keeps fixed, and the middles of the ranges that it varies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowthRules {
     /// Length of a street segment: more than 0.
     pub length: f64,
-    /// Greatest deviation from that length.
+    /// Greatest deviation of a segment from `length`.
     pub deviation: f64,
     /// Least length of a segment, and of both parts of a divided segment.
     pub min_length: f64,
@@ -44,7 +44,7 @@ impl Default for GrowthRules {
     }
 }
 
-/// How much less an angle may be after rounding to the quantum grid, in radians, so that a perpendicular still counts as one.
+/// How much rounding to the quantum grid may reduce an angle, in radians: a right angle still counts as one.
 const ROUNDING: f64 = 1e-3;
 
 /// What the end of a proposed segment meets.
@@ -65,7 +65,7 @@ pub fn grow(rules: &GrowthRules, bounds: Bounds, stream: &mut Stream) -> PlanarG
     while let Some(v) = queue.pop_front() {
         let target = rules.degree.0 + stream.index(rules.degree.1.saturating_sub(rules.degree.0) + 1);
         let at = graph.at(v);
-        // Spread evenly around the vertex, beginning with the street that came first.
+        // Streets spread evenly around the vertex, beginning with the first one there.
         let base = match graph.neighbours(v).next() {
             Some(w) => angle_of(graph.at(w) - at),
             None => TAU * stream.unit(),

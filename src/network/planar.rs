@@ -8,7 +8,7 @@ use crate::space::{Bounds, distance_to_segment, math::angle_between, quantize, s
 use glam::DVec2;
 use rstar::{AABB, RTree, RTreeObject};
 
-/// Index of a vertex; stays valid while the graph grows.
+/// Index of a vertex, which stays valid while the graph grows.
 pub type VertexIx = u32;
 /// Index of an edge; a removed or split edge's index is never used again.
 pub type EdgeIx = u32;
@@ -42,6 +42,7 @@ pub struct Hit {
     pub at: DVec2,
 }
 
+/// An edge in the R-tree, with the positions of its ends.
 #[derive(Clone, Debug, PartialEq)]
 struct Indexed {
     edge: EdgeIx,
@@ -64,7 +65,7 @@ enum Incident {
     Many(Vec<EdgeIx>),
 }
 
-/// Most vertices have no more edges.
+/// Number of edges that fit in place; few vertices have more.
 const FEW: usize = 4;
 
 impl Incident {
@@ -215,11 +216,11 @@ impl<E: Clone> PlanarGraph<E> {
         self.positions[v as usize]
     }
 
-    /// An edge that was neither removed nor split; asking for another is a programming error.
+    /// A live edge.
     ///
     /// # Panics
     ///
-    /// If the edge is not live.
+    /// If the edge was removed or split.
     pub fn edge(&self, edge: EdgeIx) -> &Edge<E> {
         self.edges[edge as usize].as_ref().expect("edge was removed")
     }
@@ -271,7 +272,7 @@ impl<E: Clone> PlanarGraph<E> {
         self.edges_at(a).iter().copied().find(|e| self.edge(*e).other(a) == b)
     }
 
-    /// Edges whose box overlaps `bounds`, oldest first: the shape of the tree does not show.
+    /// Edges whose box overlaps `bounds`, oldest first, so that the shape of the tree has no influence.
     pub fn edges_near(&self, bounds: Bounds) -> Vec<EdgeIx> {
         let Some(index) = &self.index else {
             let near = |e: &Edge<E>| {
@@ -303,8 +304,8 @@ impl<E: Clone> PlanarGraph<E> {
         best
     }
 
-    /// Distance from the segment `a`-`b` to the nearest edge within `reach` metres for which `skip` does not hold;
-    /// `reach` if there is none.
+    /// Distance in metres from the segment `a`-`b` to the nearest edge within `reach` metres, except edges for which `skip`
+    /// holds; `reach` if there is none.
     pub fn clearance(&self, a: DVec2, b: DVec2, reach: f64, skip: impl Fn(EdgeIx) -> bool) -> f64 {
         let near = self.edges_near(Bounds::of([a, b]).grown(reach));
         near.into_iter().filter(|e| !skip(*e)).fold(reach, |best, e| {
@@ -349,9 +350,9 @@ impl<E: Clone> PlanarGraph<E> {
         self.neighbours(v).map(|w| angle_between(direction, self.at(w) - from)).fold(std::f64::consts::PI, f64::min)
     }
 
-    /// Chains of edges from one vertex for which `ends` holds to the next. Between them lie vertices for which it does not hold;
-    /// each of these must have degree 2. A loop without an end starts at its lowest vertex. Each edge comes with whether the
-    /// chain runs from its `a` to its `b`; chains are ordered by their oldest edge.
+    /// Chains of edges, each from one vertex for which `ends` holds to the next. Every other vertex must have degree 2. A loop
+    /// without an end starts at its lowest vertex. Each edge comes with whether the chain runs from its `a` to its `b`. Chains
+    /// are ordered by their oldest edge.
     pub fn chains(&self, ends: impl Fn(VertexIx) -> bool) -> Vec<Vec<(EdgeIx, bool)>> {
         let mut used = vec![false; self.edges.len()];
         let mut out = Vec::new();
@@ -375,7 +376,7 @@ impl<E: Clone> PlanarGraph<E> {
         };
         for pass in 0..2 {
             for v in self.vertices() {
-                // Chains from the ends come first; then only loops without an end are left.
+                // The first pass follows chains from their ends; only loops without an end are left for the second.
                 if pass == 0 && !ends(v) {
                     continue;
                 }

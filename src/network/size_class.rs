@@ -1,4 +1,4 @@
-//! Size classes of settlements, the tiers of the network of roads.
+//! Size classes of settlements, which are also the tiers of the road network.
 
 use serde::{Deserialize, Serialize};
 

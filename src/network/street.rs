@@ -16,14 +16,14 @@ pub struct JunctionId(pub u64);
 pub struct StreetId(pub u64);
 
 impl JunctionId {
-    /// The id of the thing that `words` name.
+    /// The id of the junction that `words` name.
     pub fn of(words: &[u64]) -> Self {
         Self(stable_hash(words))
     }
 }
 
 impl StreetId {
-    /// The id of the thing that `words` name.
+    /// The id of the street that `words` name.
     pub fn of(words: &[u64]) -> Self {
         Self(stable_hash(words))
     }
@@ -73,7 +73,7 @@ impl StreetClass {
         }
     }
 
-    /// Half of the width from the outer edge of one pavement to that of the other, in metres.
+    /// Half of the full width, pavements included, in metres.
     pub fn half_width(self) -> f64 {
         self.carriageway() / 2.0 + self.pavement()
     }
@@ -121,13 +121,13 @@ pub struct Street {
     pub from: JunctionId,
     /// Junction at the last point of `line`.
     pub to: JunctionId,
-    /// Centre line: two local points or more, on the quantum grid; the first and the last are those of the junctions.
+    /// Centre line: two local points or more, in metres on the quantum grid, from the junction `from` to the junction `to`.
     pub line: Vec<DVec2>,
     /// Height level: 0 on the ground; streets of different levels cross without meeting.
     pub level: i8,
-    /// Whether it crosses water or another street on a bridge.
+    /// Whether the street crosses water or another street on a bridge.
     pub bridge: bool,
-    /// Whether it runs under the ground.
+    /// Whether the street runs under the ground.
     pub tunnel: bool,
 }
 
@@ -147,7 +147,7 @@ impl Street {
         Bounds::of(self.line.iter().copied())
     }
 
-    /// The same street moved by `offset` (whole metres, so that no rounding occurs).
+    /// The same street moved by `offset`, in whole metres so that no rounding occurs.
     pub fn moved(&self, offset: DVec2) -> Self {
         Self { line: self.line.iter().map(|p| *p + offset).collect(), ..self.clone() }
     }

@@ -10,13 +10,13 @@ use crate::space::{Bounds, distance_to_segment, segment_distance};
 use crate::town::{CellUse, MainCell};
 use glam::DVec2;
 
-/// Distance of an approach from the cell's other sides, in metres. With it, approaches from different sides keep
-/// [`APPROACH_CLEARANCE`] from each other whatever the other sides propose, so a street need not know the ports of others.
+/// Distance of an approach from the cell's other sides, in metres. It keeps approaches from different sides
+/// [`APPROACH_CLEARANCE`] apart wherever they start, so a street need not know the ports of other streets.
 const ROOM: f64 = APPROACH_LENGTH + APPROACH_CLEARANCE + 2.0;
 /// Bend of a side, in radians, up to which its parts count as one run.
 const BEND: f64 = 0.6;
 
-/// Whether an approach from `point` has the room that is promised.
+/// Whether an approach from `point` has the room that [`CellPort`](crate::seam::CellPort) promises.
 pub(super) fn has_room(seam: &SeamSide, point: &StreetPoint) -> bool {
     let (main, hand) = (seam.main, seam.side);
     let street = &seam.town.mains[main];

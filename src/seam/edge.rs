@@ -19,7 +19,7 @@ pub struct TownAndStyles<'a> {
 
 /// A town with the ports that each of its cells proposes.
 pub(super) struct TownProposals<'a> {
-    pub of: TownAndStyles<'a>,
+    pub source: TownAndStyles<'a>,
     by_cell: Vec<Vec<PortProposal>>,
 }
 
@@ -35,19 +35,19 @@ impl<'a> TownProposals<'a> {
         Self::of_cells(seed, town, |cell| cell.sides.iter().any(|s| s.main.is_some_and(has_border)))
     }
 
-    fn of_cells(seed: Seed, of: TownAndStyles<'a>, proposes: impl Fn(&MainCell) -> bool) -> Self {
-        let by_cell = of.town.cells.iter().zip(of.styles).map(|(cell, style)| {
+    fn of_cells(seed: Seed, source: TownAndStyles<'a>, proposes: impl Fn(&MainCell) -> bool) -> Self {
+        let by_cell = source.town.cells.iter().zip(source.styles).map(|(cell, style)| {
             let asked = cell.cell_use == CellUse::Built && proposes(cell);
-            if asked { propose(seed, of.town, cell, style) } else { Vec::new() }
+            if asked { propose(seed, source.town, cell, style) } else { Vec::new() }
         });
-        Self { of, by_cell: by_cell.collect() }
+        Self { source, by_cell: by_cell.collect() }
     }
 
-    /// One side of a main street of the town; `shift` is what to add to a position on the seam to make it local to the town.
+    /// One side of a main street of the town. `shift` makes a position on the seam local to the town when added to it.
     fn side(&self, main: usize, side: StreetSide, shift: DVec2) -> Option<SeamSide<'_>> {
-        let cell = side.cell(&self.of.town.mains[main]);
-        let (style, proposals) = (self.of.styles.get(cell)?, self.by_cell.get(cell)?);
-        Some(SeamSide { town: self.of.town, style, proposals, main, side, shift })
+        let cell = side.cell(&self.source.town.mains[main]);
+        let (style, proposals) = (self.source.styles.get(cell)?, self.by_cell.get(cell)?);
+        Some(SeamSide { town: self.source.town, style, proposals, main, side, shift })
     }
 }
 
@@ -56,12 +56,12 @@ impl<'a> TownProposals<'a> {
 pub(super) struct SeamSide<'a> {
     pub town: &'a Town,
     pub style: &'a Style,
-    /// The proposals of the cell, for all its streets.
+    /// The proposals of the cell for all its streets.
     pub proposals: &'a [PortProposal],
     /// Index of the street among the town's.
     pub main: usize,
     pub side: StreetSide,
-    /// What to add to a position on the seam to make it local to the town.
+    /// Makes a position on the seam local to the town when added to it.
     pub shift: DVec2,
 }
 
@@ -73,7 +73,7 @@ pub(super) struct SeamEdge<'a> {
     pub length: f64,
     pub left: Option<SeamSide<'a>>,
     pub right: Option<SeamSide<'a>>,
-    /// What to add to a position on the seam to make it local to the town whose seams are asked for.
+    /// Makes a position on the seam local to the town whose seams are asked for when added to it.
     pub shift: DVec2,
     /// Whether the street runs along a border.
     pub on_border: bool,
@@ -83,7 +83,7 @@ impl<'a> SeamEdge<'a> {
     /// A main street of the first of `towns`; the others share borders with it.
     pub fn new(towns: &'a [TownProposals], main: usize) -> Self {
         let own = &towns[0];
-        let street = &own.of.town.mains[main];
+        let street = &own.source.town.mains[main];
         let id = street.street.id;
         let Some(border) = &street.border else {
             return Self {
@@ -98,11 +98,12 @@ impl<'a> SeamEdge<'a> {
         };
         let on = |side: StreetSide| {
             let settlement = border.sides[usize::from(side == StreetSide::Right)];
-            let there = towns.iter().find(|t| t.of.town.settlement.id == settlement)?;
-            let main = there.of.town.mains.iter().position(|m| m.street.id == id)?;
-            there.side(main, side, border.origin.offset_to(there.of.town.origin))
+            let proposals = towns.iter().find(|t| t.source.town.settlement.id == settlement)?;
+            let town = proposals.source.town;
+            let main = town.mains.iter().position(|m| m.street.id == id)?;
+            proposals.side(main, side, border.origin.offset_to(town.origin))
         };
-        let origin = own.of.town.origin;
+        let origin = own.source.town.origin;
         let line = street.street.moved(origin.offset_to(border.origin)).line;
         Self {
             street: id,
@@ -123,7 +124,7 @@ impl<'a> SeamEdge<'a> {
         }
     }
 
-    /// The sides that there are, left before right.
+    /// The sides that have a cell, left before right.
     pub fn sides(&self) -> impl Iterator<Item = &SeamSide<'a>> {
         self.left.iter().chain(&self.right)
     }

@@ -16,7 +16,7 @@ const SEARCH_STEP: f64 = 4.0;
 /// Least distance of a port from the ends of its street, in metres.
 const LEAST_END: f64 = 30.0;
 
-/// Least share of crossings (as [`crate::style::SeamRules::crossing`]) along borders: towns that touch have streets in common.
+/// Least value of [`crate::style::SeamRules::crossing`] along borders: towns that touch have streets in common.
 const BORDER_CROSSING: f64 = 0.4;
 
 /// A point of a main street with the streets that attach there.
@@ -49,7 +49,7 @@ impl Attachment {
         }
     }
 
-    /// Whether both may be ports of one street.
+    /// Whether `self` and `other` are far enough apart to be ports of one street.
     fn agrees_with(&self, other: &Self, min_spacing: f64) -> bool {
         let clear = |side| !(self.has(side) && other.has(side)) || self.point.is_clear_of(&other.point, side);
         (self.point.along - other.point.along).abs() >= min_spacing && StreetSide::BOTH.into_iter().all(clear)
@@ -57,13 +57,13 @@ impl Attachment {
 }
 
 /// The seams of a town, one for each of [`Town::mains`]. `styles` holds the style of each main cell, `across` the towns that
-/// it shares borders with.
+/// share borders with the town.
 ///
 /// Both sides of a street propose ports, each from the style of its cell and a random stream of its own. Proposals are paired by
-/// PatchCity's cost (section 3.1, equations 1 to 4, in the order along the seam); a pair moves half its distance to become one
-/// crossing, and a proposal that stays alone becomes a T. Cells that got fewer ports than their style asks for then get more
-/// where there is room. Along a border each of the two towns proposes for its side from its own styles, and both find the same
-/// ports.
+/// PatchCity's cost (section 3.1, equations 1 to 4, in the order along the seam). The two of a pair move half their distance
+/// and become one crossing; a proposal that stays alone becomes a T. Cells with fewer ports than their style asks for then get
+/// more where there is room. Along a border each of the two towns proposes for its side from its own styles, and both find
+/// the same ports.
 pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[TownAndStyles<'_>]) -> Vec<Seam> {
     let own = TownAndStyles { town, styles };
     let towns: Vec<TownProposals> = std::iter::once(TownProposals::of_own(seed, own))
@@ -84,10 +84,10 @@ pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[TownAndStyles
 
 /// Where streets attach to one main street.
 fn attachments(edge: &SeamEdge) -> Vec<Attachment> {
-    let of = |side| edge.side(side).map_or(Vec::new(), |side| proposals(edge, side));
-    let (left, right) = (of(StreetSide::Left), of(StreetSide::Right));
+    let proposed = |side| edge.side(side).map_or(Vec::new(), |side| proposals(edge, side));
+    let (left, right) = (proposed(StreetSide::Left), proposed(StreetSide::Right));
     let along = |list: &[(StreetPoint, StreetClass)]| list.iter().map(|(p, c)| (p.along, *c)).collect::<Vec<_>>();
-    // Where two styles meet, the mean of both.
+    // Where two styles meet, the mean of both cutoffs holds.
     let cutoff =
         edge.sides().map(|s| cutoff(s.style, edge.on_border)).sum::<f64>() / edge.sides().count().max(1) as f64;
     let min_spacing = edge.sides().map(|s| s.style.seam.min_spacing).fold(0.0, f64::max);
@@ -114,11 +114,11 @@ fn attachments(edge: &SeamEdge) -> Vec<Attachment> {
         let by_side = || b.has(StreetSide::Left).cmp(&a.has(StreetSide::Left));
         a.point.along.total_cmp(&b.point.along).then_with(by_side)
     });
-    // Where ports would stand too close, single ones give way to crossings.
+    // Where ports would stand too close, single streets give way to crossings.
     let mut out: Vec<Attachment> = Vec::new();
-    for one in crossings.into_iter().chain(singles) {
-        if out.iter().all(|other| other.agrees_with(&one, min_spacing)) {
-            out.push(one);
+    for attachment in crossings.into_iter().chain(singles) {
+        if out.iter().all(|other| other.agrees_with(&attachment, min_spacing)) {
+            out.push(attachment);
         }
     }
     sort(&mut out);
@@ -130,14 +130,14 @@ fn sort(attachments: &mut [Attachment]) {
 }
 
 /// Proposals of one side, in order along the street, all with room for their approaches.
-fn proposals(edge: &SeamEdge, of: &SeamSide) -> Vec<(StreetPoint, StreetClass)> {
-    let (rules, side) = (&of.style.seam, of.side);
+fn proposals(edge: &SeamEdge, seam: &SeamSide) -> Vec<(StreetPoint, StreetClass)> {
+    let (rules, side) = (&seam.style.seam, seam.side);
     let mut out: Vec<(StreetPoint, StreetClass)> = Vec::new();
-    for proposal in of.proposals.iter().filter(|p| p.main == of.main && p.side == side) {
+    for proposal in seam.proposals.iter().filter(|p| p.main == seam.main && p.side == side) {
         let good = |p: &StreetPoint| {
             let clear =
                 |(o, _): &(StreetPoint, StreetClass)| p.along >= o.along + rules.min_spacing && p.is_clear_of(o, side);
-            out.last().is_none_or(clear) && has_room(of, p)
+            out.last().is_none_or(clear) && has_room(seam, p)
         };
         if let Some(point) = nearest_good(edge, proposal.along, 0.4 * rules.spacing, good) {
             out.push((point, StreetClass::Local));
@@ -146,7 +146,7 @@ fn proposals(edge: &SeamEdge, of: &SeamSide) -> Vec<(StreetPoint, StreetClass)> 
     out
 }
 
-/// The point nearest to `along`, at most `reach` metres from it, that is `good`.
+/// The `good` point nearest to `along`, at most `reach` metres from it.
 fn nearest_good(edge: &SeamEdge, along: f64, reach: f64, good: impl Fn(&StreetPoint) -> bool) -> Option<StreetPoint> {
     let steps = (reach / SEARCH_STEP).floor() as usize;
     let tries = std::iter::once(along).chain((1..=steps).flat_map(|i| {
@@ -159,14 +159,14 @@ fn nearest_good(edge: &SeamEdge, along: f64, reach: f64, good: impl Fn(&StreetPo
         .find_map(|s| StreetPoint::near(&edge.line, s).filter(|point| inner(point) && good(point)))
 }
 
-/// Distance along the street up to which proposals of the two sides become one crossing, in metres.
+/// Greatest distance along the street at which proposals of the two sides become one crossing, in metres.
 fn cutoff(style: &Style, on_border: bool) -> f64 {
     let least = if on_border { BORDER_CROSSING } else { 0.0 };
     style.seam.crossing.max(least) * style.seam.spacing
 }
 
-/// Gives cells with fewer ports than their style asks for more of them, where there is room: a T, or else the other arm of one.
-/// Leaves borders alone, since the other town would have to know.
+/// Adds ports to cells that have fewer than their style asks for, where there is room: a new T, or else the second arm of a T
+/// from the other side. Borders stay as they are, since the other town would have to know.
 fn supply_cells(own: TownAndStyles<'_>, edges: &[SeamEdge], all: &mut [Vec<Attachment>]) {
     let town = own.town;
     for (cell, style) in town.cells.iter().zip(own.styles).filter(|(cell, _)| cell.cell_use == CellUse::Built) {
@@ -184,22 +184,22 @@ fn supply_cells(own: TownAndStyles<'_>, edges: &[SeamEdge], all: &mut [Vec<Attac
                 break;
             }
             let edge = &edges[main];
-            if let Some(of) = edge.side(side).filter(|_| !edge.on_border) {
-                supply(edge, of, style.seam.min_spacing, &mut all[main]);
+            if let Some(seam) = edge.side(side).filter(|_| !edge.on_border) {
+                supply(edge, seam, style.seam.min_spacing, &mut all[main]);
             }
         }
     }
 }
 
 /// Adds a street to one side of a main street, if there is room for it.
-fn supply(edge: &SeamEdge, of: &SeamSide, min_spacing: f64, attachments: &mut Vec<Attachment>) {
-    let side = of.side;
+fn supply(edge: &SeamEdge, seam: &SeamSide, min_spacing: f64, attachments: &mut Vec<Attachment>) {
+    let side = seam.side;
     let good = |p: &StreetPoint| {
         let new = Attachment::single(*p, side, StreetClass::Local);
         p.along >= min_spacing
             && p.along <= edge.length - min_spacing
             && attachments.iter().all(|a| a.agrees_with(&new, min_spacing))
-            && has_room(of, p)
+            && has_room(seam, p)
     };
     if let Some(point) = nearest_good(edge, edge.length / 2.0, edge.length / 2.0, good) {
         attachments.push(Attachment::single(point, side, StreetClass::Local));
@@ -208,7 +208,7 @@ fn supply(edge: &SeamEdge, of: &SeamSide, min_spacing: f64, attachments: &mut Ve
     }
     let arm = attachments.iter().position(|a| {
         let mut others = attachments.iter().filter(|b| b.has(side));
-        !a.has(side) && others.all(|b| b.point.is_clear_of(&a.point, side)) && has_room(of, &a.point)
+        !a.has(side) && others.all(|b| b.point.is_clear_of(&a.point, side)) && has_room(seam, &a.point)
     });
     if let Some(arm) = arm {
         attachments[arm].attach(side, StreetClass::Local);

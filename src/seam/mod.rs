@@ -1,8 +1,8 @@
-//! Layer 5: seams. The two cells beside a main street propose attachment points from their styles; matched, the proposals become
-//! the ports that both cells start from.
+//! Layer 5: seams. The two cells beside a main street propose attachment points from their styles. The proposals are matched
+//! and become the ports that both cells start from.
 //!
-//! Reads the town and its styles. A seam is a function of the main street, its two cells, their styles and the town's field
-//! alone, so the padding is that of the town. Along a border the two cells belong to two towns, and the seam reads both plans.
+//! Reads the town and its styles. A seam depends on the main street, its two cells, their styles and the town's field alone, so
+//! the padding is that of the town. Along a border the two cells belong to two towns, and the seam reads both plans.
 
 mod clearance;
 mod cut;

@@ -4,13 +4,13 @@ use crate::network::StreetClass;
 
 /// PatchCity's cost of joining two streets across a seam (section 3.1, equations 2 to 4).
 fn cost(a: (f64, StreetClass), b: (f64, StreetClass)) -> f64 {
-    let (distance, wide, narrow) = (a.0 - b.0, a.1.carriageway(), b.1.carriageway());
-    let ratio = wide.max(narrow) / wide.min(narrow);
-    distance * distance * ratio * wide * narrow
+    let (distance, width_a, width_b) = (a.0 - b.0, a.1.carriageway(), b.1.carriageway());
+    let ratio = width_a.max(width_b) / width_a.min(width_b);
+    distance * distance * ratio * width_a * width_b
 }
 
-/// The pairs of least total cost that keep the order along the seam, as indices into both lists. To stay alone costs half of
-/// what a pair at the distance `cutoff` (metres) costs. Positions are metres along the street.
+/// The pairs of least total cost that keep the order along the seam, as indices into both lists. Staying alone costs half as
+/// much as a pair at the distance `cutoff` (metres). Positions are metres along the street.
 pub(super) fn pair(left: &[(f64, StreetClass)], right: &[(f64, StreetClass)], cutoff: f64) -> Vec<(usize, usize)> {
     let alone = |p: (f64, StreetClass)| cost(p, (p.0 + cutoff, p.1)) / 2.0;
     let (n, m) = (left.len(), right.len());

@@ -22,8 +22,8 @@ pub(super) struct StreetPoint {
 }
 
 impl StreetPoint {
-    /// The point near `along` metres on a street's line that keeps off points of inflexion; `None` where these are close
-    /// together.
+    /// The point near `along` metres on a street's line that keeps off points of inflexion; `None` where the segment there is
+    /// too short.
     pub fn near(line: &[DVec2], along: f64) -> Option<Self> {
         let mut start = 0.0;
         for (segment, (a, b)) in segments(line).enumerate() {

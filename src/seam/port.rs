@@ -3,17 +3,16 @@
 use crate::network::{JunctionId, StreetClass};
 use glam::DVec2;
 
-/// Length of the straight approach that every port is sure to have room for, in metres.
+/// Length of the straight approach that every port has room for, in metres.
 pub const APPROACH_LENGTH: f64 = 20.0;
 
-/// Least distance of an approach from any other approach and from any part of the cell's border but the side that it starts
-/// on, in metres.
+/// Least distance of an approach from other approaches, and from the cell's border except the side where it starts, in metres.
 pub const APPROACH_CLEARANCE: f64 = 14.0;
 
 /// An attachment point on a main street.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
-    /// The junction it makes.
+    /// The junction at the port.
     pub junction: JunctionId,
     /// Metres along the main street.
     pub along: f64,
@@ -37,10 +36,10 @@ pub struct Seam {
 pub struct CellPort {
     /// The junction on the main street.
     pub junction: JunctionId,
-    /// Its position, local to the town.
+    /// Position of the junction, local to the town, in metres.
     pub at: DVec2,
-    /// Unit direction into the cell, square to the main street. The approach, a segment of [`APPROACH_LENGTH`] from `at` along it,
-    /// lies in the cell, [`APPROACH_CLEARANCE`] away from the approaches of all other ports and from the cell's other sides.
+    /// Unit direction into the cell, square to the main street. The approach, a segment of [`APPROACH_LENGTH`] from `at` in this
+    /// direction, lies in the cell and keeps [`APPROACH_CLEARANCE`] from all other approaches and from the cell's other sides.
     pub inward: DVec2,
     /// Class of the street that attaches.
     pub class: StreetClass,

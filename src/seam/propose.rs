@@ -13,7 +13,7 @@ const STEP: f64 = 25.0;
 const STEPS: usize = 60;
 /// Least sine of the angle at which a line leaves one side and arrives at another.
 const SQUARE: f64 = 0.7;
-/// Gap between proposals, in spacings, from which there is room for another.
+/// Least gap between proposals, in spacings, that has room for another.
 const LEAST_GAP: f64 = 1.6;
 
 /// A point of a main street where the cell on one side proposes a port.
@@ -30,8 +30,8 @@ pub(super) struct PortProposal {
 /// The ports that a main cell proposes, in order along each of its streets.
 ///
 /// In styles on a grid or radial field, the proposals of the longest side are even, and lines from there along the field lead to
-/// proposals on the other sides; where these have room left, the next longest side goes on. In other styles the proposals of
-/// every side are even, each by itself.
+/// proposals on the other sides. The next longest side then fills its wide gaps in the same way, and so on. In other styles
+/// the proposals of every side are even by themselves.
 pub(super) fn propose(seed: Seed, town: &Town, cell: &MainCell, style: &Style) -> Vec<PortProposal> {
     let rules = &style.seam;
     let mut sides: Vec<Side> = cell.sides.iter().filter_map(|side| Side::new(town, side)).collect();
@@ -78,7 +78,7 @@ impl Side {
     }
 }
 
-/// Positions along a side: even, except for the style's jitter. Metres along the street.
+/// Positions along a side, in metres along the street: even, except for the style's jitter.
 fn even(seed: Seed, street: StreetId, side: &Side, style: &Style) -> Vec<f64> {
     let rules = &style.seam;
     let mut stream = seed.stream("seam", &[street.0, side.side as u64]);
@@ -88,7 +88,7 @@ fn even(seed: Seed, street: StreetId, side: &Side, style: &Style) -> Vec<f64> {
     }
     let count = (usable / rules.spacing).round().max(1.0);
     let step = usable / count;
-    // In organic styles each side of a street has a rhythm of its own.
+    // In organic styles the two sides of a street have different rhythms.
     let phase = if style.main.field == FieldKind::Organic { 0.3 * stream.signed() } else { 0.0 };
     let position = |i: usize| rules.min_spacing + (i as f64 + 0.5 + phase) * step;
     (0..count as usize).map(|i| position(i) + rules.jitter * rules.spacing * stream.signed()).collect()
@@ -109,7 +109,7 @@ fn between(given: &[f64], length: f64, rules: &SeamRules) -> Vec<f64> {
     out
 }
 
-/// The point where the line along the field from a point on one side of a cell meets another side, if it leaves and meets both
+/// The point where the line along the field from a point on one side of a cell meets another side, if the line meets both sides
 /// squarely.
 pub(super) fn opposite(
     town: &Town,

@@ -14,7 +14,7 @@ use crate::town::{CellUse, Town};
 use glam::DVec2;
 use std::collections::BTreeSet;
 
-/// Distance of `a`-`b` from the sides of a cell that do not run along `main`, or that are the other side of it.
+/// Distance of `a`-`b` from the sides of a cell other than its `forward` side along `main`.
 fn other_sides(town: &Town, cell: usize, main: usize, forward: bool, a: DVec2, b: DVec2) -> f64 {
     let cell = &town.cells[cell];
     let mut least = f64::INFINITY;
@@ -26,7 +26,7 @@ fn other_sides(town: &Town, cell: usize, main: usize, forward: bool, a: DVec2, b
     least
 }
 
-/// Checks the seams of a town; returns the number of its cells with fewer than two ports, and of all its cells.
+/// Checks the seams of a town; returns the number of its built cells with fewer than two ports, and of all its cells.
 fn check(case: &SettlementCase, what: &str) -> (usize, usize) {
     let town = case.plan();
     let styles = vec![&case.style; town.cells.len()];
@@ -123,14 +123,14 @@ fn network(case: &SettlementCase, town: &Town, seams: &[Seam], what: &str) {
 fn every_port_has_the_room_that_is_promised() {
     let (mut poor, mut cells) = (0, 0);
     for number in (0..40).chain(1000..1200) {
-        let (few, of) = check(&any_settlement(number), &format!("case {number}"));
-        (poor, cells) = (poor + few, cells + of);
+        let (few, all) = check(&any_settlement(number), &format!("case {number}"));
+        (poor, cells) = (poor + few, cells + all);
     }
     assert!(poor * 5 < cells, "{poor} of {cells} cells have fewer than two ports");
 }
 
-/// How many ports of towns on a grid have a port opposite them across their cell, and how many could have one, since the line
-/// along the field meets another side squarely and away from its ends. Ports are proposed as on a field of `kind`.
+/// How many ports of towns on a grid have another port opposite across their cell, and how many could have: the line along the
+/// field meets another side squarely and away from its ends. Ports are proposed as on a field of `kind`.
 fn facing(kind: FieldKind) -> (usize, usize) {
     let (mut facing, mut all) = (0, 0);
     for number in 0..60 {
@@ -157,11 +157,8 @@ fn facing(kind: FieldKind) -> (usize, usize) {
 #[test]
 fn ports_of_grids_face_each_other_across_their_cells() {
     let (facing, all) = facing(FieldKind::Grid);
-    let (by_chance, of) = self::facing(FieldKind::Contours);
-    assert!(
-        facing * 10 > all * 7,
-        "{facing} of {all} ports face another; {by_chance} of {of} do where nobody surveyed"
-    );
+    let (by_chance, tries) = self::facing(FieldKind::Contours);
+    assert!(facing * 10 > all * 7, "{facing} of {all} ports face another; {by_chance} of {tries} do by chance");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// An axis-aligned box, borders included.
+/// An axis-aligned box in metres, borders included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// South-west corner.

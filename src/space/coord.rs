@@ -4,8 +4,8 @@ use crate::space::Bounds;
 use glam::{DVec2, I64Vec2, IVec2};
 use serde::{Deserialize, Serialize};
 
-/// Grid that published positions are rounded to: 2^-10 m. An `f64` holds sums of such numbers and whole metres exactly up to
-/// 4e12 m from the world's origin, so a position can move between local frames without rounding.
+/// Spacing of the grid to which published positions are rounded: 2^-10 m. An `f64` holds sums of such numbers and whole metres
+/// exactly up to 4e12 m from the world's origin, so a position can move between local frames without rounding.
 pub const QUANTUM: f64 = 1.0 / 1024.0;
 
 /// Default edge length of a chunk, in metres.
@@ -36,23 +36,23 @@ impl Origin {
         self.0.as_dvec2()
     }
 
-    /// Local position to plan metres.
+    /// The plan position of a local one, both in metres.
     pub fn to_plan(self, local: DVec2) -> DVec2 {
         self.plan() + local
     }
 
-    /// Plan metres to local position.
+    /// The local position of a plan one, both in metres.
     pub fn to_local(self, plan: DVec2) -> DVec2 {
         plan - self.plan()
     }
 
-    /// The offset that makes a position local to `self` local to `other` when added to it. Exact.
+    /// The offset in metres that turns a position local to `self` into one local to `other`. Exact.
     pub fn offset_to(self, other: Origin) -> DVec2 {
         (self.0 - other.0).as_dvec2()
     }
 }
 
-/// Name of a chunk, a square of the streaming grid.
+/// Name of a chunk: column and row of a square of the streaming grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ChunkCoord(pub IVec2);
 
@@ -68,12 +68,12 @@ impl ChunkCoord {
         Self(IVec2::new(cell.x as i32, cell.y as i32))
     }
 
-    /// South-west corner of the chunk.
+    /// South-west corner of the chunk, whose edge is `size` metres.
     pub fn origin(self, size: i64) -> Origin {
         Origin(self.0.as_i64vec2() * size)
     }
 
-    /// The chunk's square in plan metres.
+    /// The square of the chunk in plan metres; its edge is `size` metres.
     pub fn bounds(self, size: i64) -> Bounds {
         let min = self.origin(size).plan();
         Bounds::new(min, min + size as f64)

@@ -37,7 +37,7 @@ impl<K: Copy + Ord> DisjointSets<K> {
         root
     }
 
-    /// Unites the sets of two keys; the representative of `b` then represents both. Whether the sets were different.
+    /// Unites the sets of two keys; the representative of `b` then represents both. Returns whether the sets were different.
     pub fn union(&mut self, a: K, b: K) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         if a != b {

@@ -10,11 +10,11 @@ const ECCENTRICITY_2: f64 = 0.006_694_379_990_141_316;
 /// Greatest latitude of a projection's origin, in degrees: near the poles a degree of longitude has no width.
 const MOST_LATITUDE: f64 = 85.0;
 
-/// A local equirectangular projection around the plan's origin: a degree has everywhere the length in metres that it has at the
-/// origin on the WGS84 ellipsoid.
+/// A local equirectangular projection around the plan's origin: everywhere a degree has the length in metres that it has at
+/// the origin on the WGS84 ellipsoid.
 ///
 /// One degree of latitude away from the origin, north-south distances are off by less than 0.02 %, and east-west distances by
-/// `tan(latitude)` times the angle, which is 1.6 % at 42 degrees. The projection is fit for domains up to some 200 km.
+/// `tan(latitude)` times the angle, which is 1.6 % at 42 degrees. The projection suits domains up to about 200 km.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geographic {
     /// Longitude and latitude of the plan's origin, in degrees.
@@ -52,9 +52,9 @@ impl Geographic {
     /// Plan metres of a longitude and latitude in degrees, measured along the shorter way around the globe: longitudes of -180 to
     /// 180 and of 0 to 360 mean the same.
     pub fn to_plan(&self, degrees: DVec2) -> DVec2 {
-        let mut away = degrees - self.middle;
-        away.x -= 360.0 * (away.x / 360.0).round();
-        away * self.scale
+        let mut offset = degrees - self.middle;
+        offset.x -= 360.0 * (offset.x / 360.0).round();
+        offset * self.scale
     }
 
     /// Longitude and latitude in degrees of a plan point.

@@ -26,12 +26,12 @@ pub struct SegmentCrossing {
     pub t: f64,
     /// Parameter along the second segment, 0..=1.
     pub u: f64,
-    /// The point.
+    /// The point where the segments meet.
     pub at: DVec2,
 }
 
 /// The point that the segments `a`-`b` and `c`-`d` share, touching ends included. The decision is exact, the position is
-/// rounded. For collinear segments that overlap it is the shared point nearest to `a`.
+/// rounded. Collinear segments that overlap meet at their shared point nearest to `a`.
 pub fn segment_crossing(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<SegmentCrossing> {
     let (ab, cd) = (b - a, d - c);
     let (min1, max1, min2, max2) = (a.min(b), a.max(b), c.min(d), c.max(d));

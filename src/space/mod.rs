@@ -1,7 +1,7 @@
 //! Coordinates, seeds and random streams, deterministic math, boxes, polylines, polygons and disjoint sets.
 //!
-//! The ground floor: knows no layer. Plan axes are x east, y north, in metres; angles are radians, counter-clockwise
-//! from east.
+//! Belongs to the ground floor: it knows no layer. Plan axes are x east and y north, in metres; angles are in radians,
+//! counter-clockwise from east.
 
 mod bounds;
 mod coord;

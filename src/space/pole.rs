@@ -3,10 +3,10 @@
 use crate::space::{Bounds, distance_to_segment, point_in_polygon};
 use glam::DVec2;
 
-/// The pole of inaccessibility of a simple polygon: the point inside that is farthest from the border, and its distance from
-/// the border, to within `precision` metres (more than 0). A polygon has three points or more.
+/// The pole of inaccessibility of a simple polygon of three points or more: the inner point farthest from the border, and its
+/// distance from the border, to within `precision` metres (more than 0).
 ///
-/// Agafonkin's quadtree search ("polylabel"), with square roots as its only inexact function, so that every platform finds the
+/// This is Agafonkin's quadtree search ("polylabel"). Square roots are its only inexact function, so every platform finds the
 /// same point.
 pub fn pole(polygon: &[DVec2], precision: f64) -> (DVec2, f64) {
     let depth = |p: DVec2| {

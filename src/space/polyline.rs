@@ -14,9 +14,8 @@ pub fn line_length(line: &[DVec2]) -> f64 {
     segments(line).map(|(a, b)| a.distance(b)).sum()
 }
 
-/// Position and unit direction at `at` metres along a polyline, clamped to its ends.
-///
-/// The direction is zero for a line without length.
+/// Position and unit direction `at` metres along a polyline, clamped to its ends. The direction is zero for a line without
+/// length.
 pub fn point_at(line: &[DVec2], at: f64) -> (DVec2, DVec2) {
     place_on(line, segments(line).map(|(a, b)| a.distance(b)), at)
 }
@@ -55,7 +54,7 @@ impl<'a> Measured<'a> {
         self.lengths.iter().sum()
     }
 
-    /// Position at `at` metres along the line, as [`point_at`] gives it.
+    /// Position `at` metres along the line, as [`point_at`] gives it.
     pub fn point_at(&self, at: f64) -> DVec2 {
         place_on(self.line, self.lengths.iter().copied(), at).0
     }
@@ -78,7 +77,7 @@ pub fn cut_line(line: &[DVec2], from: f64, to: f64) -> Vec<DVec2> {
     out
 }
 
-/// The polyline with more points on it, so that they are at most `step` metres apart.
+/// The polyline with points added so that neighbours are at most `step` metres apart.
 pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = line.first().copied().into_iter().collect();
     for (a, b) in segments(line) {
@@ -88,7 +87,7 @@ pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
     out
 }
 
-/// The point of a polyline that is nearest to `p`: metres along the line, and position.
+/// The point of a polyline nearest to `p`: metres along the line, and position.
 pub fn closest_on_line(p: DVec2, line: &[DVec2]) -> (f64, DVec2) {
     let mut along = 0.0;
     let mut best = (0.0, line.first().copied().unwrap_or_default());
@@ -104,7 +103,7 @@ pub fn closest_on_line(p: DVec2, line: &[DVec2]) -> (f64, DVec2) {
     best
 }
 
-/// Distance from `p` to a polyline.
+/// Distance in metres from `p` to a polyline.
 pub fn distance_to_line(p: DVec2, line: &[DVec2]) -> f64 {
     closest_on_line(p, line).1.distance(p)
 }
@@ -114,7 +113,7 @@ fn polygon_edges(polygon: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_
     (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]))
 }
 
-/// Area of a polygon, positive when counter-clockwise.
+/// Area of a polygon in square metres, positive when counter-clockwise.
 pub fn signed_area(polygon: &[DVec2]) -> f64 {
     let Some(&o) = polygon.first() else { return 0.0 };
     polygon_edges(polygon).map(|(a, b)| (a - o).perp_dot(b - o)).sum::<f64>() / 2.0
@@ -147,7 +146,7 @@ pub fn point_in_polygon(p: DVec2, polygon: &[DVec2]) -> bool {
     inside
 }
 
-/// Distance from segment `a`-`b` to the border of a polygon, 0 when they meet.
+/// Distance in metres from segment `a`-`b` to the border of a polygon, 0 when they meet.
 pub fn polygon_distance(a: DVec2, b: DVec2, polygon: &[DVec2]) -> f64 {
     polygon_edges(polygon).map(|(c, d)| segment_distance(a, b, c, d)).fold(f64::INFINITY, f64::min)
 }

@@ -5,7 +5,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
-/// Hash of a few words that is the same on every platform and in every version.
+/// Hash of words, the same on every platform and in every version.
 pub fn stable_hash(words: &[u64]) -> u64 {
     let mut few = [0; 8 * FEW];
     if words.len() > FEW {
@@ -29,7 +29,7 @@ fn bytes(words: &[u64]) -> Vec<u8> {
 pub struct Seed(pub u64);
 
 impl Seed {
-    /// The random stream for making the thing `key` in `layer`. The same arguments give the same stream.
+    /// The random stream for the thing that `key` names in `layer`. The same arguments give the same stream.
     pub fn stream(self, layer: &str, key: &[u64]) -> Stream {
         let mut data = bytes(&[self.0]);
         data.extend(layer.as_bytes());
@@ -45,7 +45,7 @@ impl Seed {
     }
 }
 
-/// A stream of random numbers (ChaCha8). [`Seed::stream`] makes one for each thing that is generated.
+/// A stream of random numbers (ChaCha8). [`Seed::stream`] makes a stream for each generated thing.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
@@ -107,7 +107,7 @@ mod tests {
         assert!(
             [first(2, "town", &[2, 3]), first(1, "seam", &[2, 3]), first(1, "town", &[3, 2])].iter().all(|b| *b != a)
         );
-        // A published value: a change here changes every world that anybody has saved a seed of.
+        // A change of this value would change every world whose seed anybody has saved.
         assert_eq!(stable_hash(&[1, 2, 3]), 8_964_613_590_703_056_768);
     }
 

@@ -13,18 +13,18 @@ pub struct CellEdges {
 }
 
 impl CellEdges {
-    /// Of the main cell of this index.
+    /// The edges of the main cell with index `cell`.
     pub fn of(town: &Town, seams: &[Seam], cell: usize) -> Self {
         Self { widths: border_widths(town, &town.cells[cell]), ports: seam::cell_ports(town, seams, cell) }
     }
 
-    /// The brief of the cell, which has this style.
+    /// The brief of the main cell with index `cell`, whose style is `style`.
     pub fn brief<'a>(&'a self, seed: Seed, town: &'a Town, cell: usize, style: &'a Style) -> CellBrief<'a> {
-        let of = &town.cells[cell];
+        let main_cell = &town.cells[cell];
         CellBrief {
             seed,
-            id: of.id,
-            border: &of.border,
+            id: main_cell.id,
+            border: &main_cell.border,
             street_half_width: &self.widths,
             ports: &self.ports,
             field: &town.field,

@@ -1,4 +1,4 @@
-//! The layers below the chunk put together: towns, seams, streets and parcels, each made once and cached.
+//! The layers below the chunk, composed: towns, seams, streets and parcels, each made once and cached.
 
 use super::brief::CellEdges;
 use super::styles::{StyledTown, Styles};
@@ -19,6 +19,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Layers 1 to 8 of a world, with their caches. Each thing is made once and kept while the cache of its layer has room.
+///
+/// Methods with a [`Cancel`] fail with [`LayerError::Cancelled`] once it is set.
 pub struct Stack {
     pub(super) seed: Seed,
     terrain: Arc<dyn Terrain>,
@@ -49,7 +51,7 @@ pub struct StackParts {
     pub sets: BTreeMap<String, Arc<PatchSet>>,
     /// The patches that the user pinned.
     pub pins: Vec<PatchEdit>,
-    /// Bound of the memory of towns, streets and parcels together, in bytes.
+    /// Most memory for towns, streets and parcels together, in bytes.
     pub bytes: usize,
 }
 
@@ -78,12 +80,12 @@ impl Stack {
         &self.terrain
     }
 
-    /// Settlements.
+    /// The settlements.
     pub fn settlements(&self) -> &Arc<Settlements> {
         &self.settlements
     }
 
-    /// Roads.
+    /// The roads.
     pub fn roads(&self) -> &Arc<Roads> {
         &self.roads
     }
@@ -113,9 +115,9 @@ impl Stack {
             let own = self.styles.town(settlement, &outline)?;
             let mut across: Vec<(StyledTown, _)> = Vec::new();
             for other in self.settlements.touching(settlement)? {
-                let there = self.settlements.outline(&other)?;
+                let other_outline = self.settlements.outline(&other)?;
                 for shared in outline.shared.iter().filter(|s| s.border.sides.contains(&other.id)) {
-                    across.push((self.styles.town(&other, &there)?, shared.border.clone()));
+                    across.push((self.styles.town(&other, &other_outline)?, shared.border.clone()));
                 }
             }
             let mut cells = Vec::with_capacity(town.cells.len());
@@ -148,7 +150,7 @@ impl Stack {
         })
     }
 
-    /// Local streets of a main cell.
+    /// Local streets of the main cell with index `cell`.
     pub fn streets(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellStreets>, LayerError> {
         let plan = &town.town;
         self.cells.get(&(plan.settlement.id, cell), || {
@@ -158,16 +160,16 @@ impl Stack {
         })
     }
 
-    /// Blocks, lots and footprints of a main cell.
+    /// Blocks, lots and footprints of the main cell with index `cell`.
     pub fn parcels(&self, town: &SeamedTown, cell: usize, cancel: &Cancel) -> Result<Arc<CellParcels>, LayerError> {
         let plan = &town.town;
         self.parcels.get(&(plan.settlement.id, cell), || {
             let local = self.streets(town, cell, cancel)?;
-            let of = &plan.cells[cell];
-            if of.cell_use == CellUse::Water {
+            let main_cell = &plan.cells[cell];
+            if main_cell.cell_use == CellUse::Water {
                 return Ok(CellParcels::default());
             }
-            let near = Bounds::of(of.border.iter().copied()).grown(StreetClass::Highway.half_width());
+            let near = Bounds::of(main_cell.border.iter().copied()).grown(StreetClass::Highway.half_width());
             let mains = town.mains.streets.iter().filter(|s| s.bounds().overlaps(near));
             let across = self.streets_across(plan, near, cancel)?;
             let streets: Vec<&Street> = mains.chain(local.streets.iter().map(|s| &s.street)).chain(&across).collect();
@@ -175,19 +177,19 @@ impl Stack {
             let park = ParcelRules { parks: 1.0, ..rules.clone() };
             let brief = ParcelBrief {
                 seed: self.seed,
-                id: of.id,
-                border: &of.border,
+                id: main_cell.id,
+                border: &main_cell.border,
                 streets: &streets,
-                rules: if of.cell_use == CellUse::Open { &park } else { rules },
+                rules: if main_cell.cell_use == CellUse::Open { &park } else { rules },
                 terrain: &*self.terrain,
                 origin: plan.origin,
-                centrality: (1.0 - of.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
+                centrality: (1.0 - main_cell.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };
             parcel::divide(&brief, cancel)
         })
     }
 
-    /// Main streets of other towns that meet this one's in a gate on their border, near a box; all local to this town.
+    /// Main streets of other towns near a box that end at a gate on a border with this town, local to this town.
     fn streets_across(&self, town: &Town, near: Bounds, cancel: &Cancel) -> Result<Vec<Street>, LayerError> {
         let mut out = Vec::new();
         for shared in &town.outline.shared {
@@ -201,10 +203,11 @@ impl Stack {
                 if !border.sides.contains(&other.id) {
                     continue;
                 }
-                let there = self.town(&other, cancel)?;
+                let other_town = self.town(&other, cancel)?;
                 let meets = |s: &&Street| gates.contains(&s.from) || gates.contains(&s.to);
-                for s in there.mains.streets.iter().filter(meets).filter(|s| !there.shared.contains_key(&s.id)) {
-                    let street = s.moved(there.town.origin.offset_to(town.origin));
+                let own = |s: &&Street| !other_town.shared.contains_key(&s.id);
+                for s in other_town.mains.streets.iter().filter(meets).filter(own) {
+                    let street = s.moved(other_town.town.origin.offset_to(town.origin));
                     out.extend(street.bounds().overlaps(near).then_some(street));
                 }
             }

@@ -13,11 +13,11 @@ use std::sync::Arc;
 /// What overlaps a box.
 #[derive(Default)]
 pub struct Overlap {
-    /// Streets, whole; each once.
+    /// Streets, whole, each once, sorted by id.
     pub streets: Vec<AtOrigin<PlacedStreet>>,
-    /// Junctions at their ends; each once.
+    /// Junctions at the ends of `streets`, each once, sorted by id.
     pub junctions: Vec<AtOrigin<Junction>>,
-    /// Main cells, as town and index.
+    /// Main cells, as a town and the cell's index.
     pub cells: Vec<(Arc<SeamedTown>, usize)>,
     /// Settlements whose outline overlaps the box.
     pub settlements: Vec<Arc<Settlement>>,
@@ -55,7 +55,7 @@ impl Stack {
             let town = self.town(&settlement, cancel)?;
             let origin = town.town.origin;
             for street in &town.mains.streets {
-                // Both towns at a border give the very same bits, whichever comes first.
+                // Both towns at a border give the same bits, so it does not matter which of the two comes first.
                 let shared = town.shared.get(&street.id);
                 if shared.is_none() || borders.insert(street.id) {
                     let at = shared.copied().unwrap_or(origin);

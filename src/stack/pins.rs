@@ -14,7 +14,7 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 
 impl Stack {
-    /// Prepares what fills the main cells of a town, with what the user pinned in them.
+    /// Prepares what fills the main cells of a town, with the pieces that the user pinned in them.
     pub(super) fn prepare(&self, plan: &Planned, seams: &[Seam]) -> Result<Vec<Option<PreparedCell>>, LayerError> {
         let town = &*plan.town;
         let mut wishes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -72,7 +72,7 @@ impl Stack {
                         let left_out = left_out.iter().find(|l| edits.get(l.piece) == Some(&index));
                         left_out.map(|l| format!("at {at} it {}", l.reason))
                     }
-                    None => Some(format!("{at} lies in an open place; allowed is a place among local streets")),
+                    None => Some(format!("{at} lies where there are no local streets; allowed is a place among them")),
                 }
             } else {
                 Some(format!("{at} lies in no settlement"))

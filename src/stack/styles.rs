@@ -1,5 +1,5 @@
-//! The styles of a world, and the style of each main cell: that of the town's centre, that of its fringe, and those of towns
-//! across a border, mixed by where the cell lies.
+//! The styles of a world, and the style of each main cell: a mixture of the styles of the town's centre, of its fringe, and of
+//! towns across a border, by where the cell lies.
 
 use crate::layer::LayerError;
 use crate::region::{Border, Outline, Settlement};
@@ -37,16 +37,16 @@ impl Blend {
     }
 }
 
-/// A town as its styles are spread over it.
+/// How the styles of a town spread over it.
 pub(super) struct StyledTown<'a> {
     style: &'a Style,
     origin: Origin,
-    /// Radius of the circle with the outline's area.
+    /// Radius of the circle with the outline's area, in metres.
     radius: f64,
 }
 
 impl StyledTown<'_> {
-    /// Shares of the styles of this town alone at a place local to it, times `share`.
+    /// Adds to `out` the shares of this town's own styles at a local place, times `share`.
     fn shares(&self, at: DVec2, share: f64, out: &mut Vec<(String, f64)>) {
         let outer = self.style.fringe_share(at.length() / self.radius);
         out.push((self.style.name.clone(), share * (1.0 - outer)));
@@ -55,14 +55,14 @@ impl StyledTown<'_> {
         }
     }
 
-    /// Shares of the styles at a place local to this town; `across` has the towns that it touches.
+    /// Shares of all styles at a place local to this town; `across` has the towns that it touches.
     fn blend(&self, at: DVec2, across: &[(StyledTown<'_>, Arc<Border>)]) -> Blend {
         let near = |border: &Border| {
             let distance = distance_to_line(at + self.origin.offset_to(border.origin), &border.line);
             0.5 * (1.0 - distance / BORDER_BLEND).max(0.0)
         };
         let theirs: Vec<f64> = across.iter().map(|(_, border)| near(border)).collect();
-        // Where three towns meet no more than two thirds are those of others.
+        // Where three towns meet, the other two have two thirds at most.
         let scale = 1.0 / (0.5 + theirs.iter().sum::<f64>()).max(1.0);
         let mut out = Vec::new();
         let mut own = 1.0;
@@ -78,7 +78,7 @@ impl StyledTown<'_> {
 /// The style of a main cell.
 #[derive(Clone, Debug)]
 pub struct CellStyle {
-    /// The styles that are mixed in it, in the order of their names, with their shares, which sum to 1.
+    /// The mixed styles in the order of their names, with their shares, which sum to 1.
     pub parts: Vec<(Arc<Style>, f64)>,
     /// The mixture.
     pub style: Arc<Style>,
@@ -93,7 +93,7 @@ impl Styles {
         self.0.get(name).ok_or_else(|| LayerError::UnknownStyle(name.to_owned()))
     }
 
-    /// A settlement as its styles are spread over it.
+    /// How the styles of a settlement spread over it.
     pub fn town(&self, settlement: &Settlement, outline: &Outline) -> Result<StyledTown<'_>, LayerError> {
         let style = self.of(&settlement.style)?;
         Ok(StyledTown { style, origin: outline.origin, radius: (outline.area() / PI).sqrt() })
@@ -159,10 +159,10 @@ mod tests {
                 assert!(x.0 == y.0 && (x.1 - y.1).abs() < 1e-9, "{here:?} {there:?}");
             }
         }
-        // It fades with the distance, and ends.
-        let share = |x: f64, of: &str| {
+        // The share of the other town's style fades with the distance and ends.
+        let share = |x: f64, style: &str| {
             let blend = blend(0, DVec2::new(x, 0.0));
-            blend.0.iter().filter(|(name, _)| name == of).map(|(_, s)| *s).sum::<f64>()
+            blend.0.iter().filter(|(name, _)| name == style).map(|(_, s)| *s).sum::<f64>()
         };
         let own: Vec<f64> = (0..8).map(|i| share(600.0 - 100.0 * f64::from(i), "b")).collect();
         assert!(own.windows(2).all(|w| w[1] <= w[0] + 1e-12), "{own:?}");

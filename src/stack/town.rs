@@ -1,4 +1,4 @@
-//! A town with its seams, and how much memory what a stack makes takes.
+//! Towns with their seams, and the memory that the things in a stack's caches take.
 
 use super::styles::CellStyle;
 use crate::layer::Weigh;
@@ -25,7 +25,7 @@ pub struct SeamedTown {
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
     pub mains: Network,
-    /// Streets of `mains` that run along a border, which another town has, too, with the border's origin.
+    /// Streets of `mains` along a border, which the town across it has too, each with the border's origin.
     pub shared: BTreeMap<StreetId, Origin>,
 }
 
@@ -34,7 +34,7 @@ pub struct SeamedTown {
 pub struct PreparedCell {
     /// The filler, prepared for the cell.
     pub filler: Arc<dyn CellFiller>,
-    /// The edits that pin something in the cell, as indices into the list of edits.
+    /// The edits that pin a patch in the cell, as indices into the list of pinned patches.
     pub edits: Vec<usize>,
 }
 
@@ -86,7 +86,7 @@ impl Weigh for CellParcels {
 }
 
 fn weigh_style(cell: &CellStyle) -> usize {
-    // A mixed style is the cell's own.
+    // Cells do not share mixed styles.
     700 + 16 * cell.parts.len()
 }
 

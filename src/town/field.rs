@@ -13,10 +13,10 @@ const LATTICE_STEP: f64 = 80.0;
 const FLAT: f64 = 0.035;
 
 /// Distances from the hub of a [`FieldKind::Radial`] field, in metres: rings are round up to the first, and square with round
-/// corners from the second.
+/// corners from the second on.
 const ROUND_RINGS: (f64, f64) = (60.0, 280.0);
-/// How square the outer rings are: round at 0; at 1 their sides have no curvature where they cross the axes of the town; with
-/// larger values they are straight for longer.
+/// How square the outer rings are: at 0 they are round; at 1 their sides have no curvature where they cross the axes of the
+/// town; with larger values they are straight for longer.
 const SQUARENESS: f64 = 1.6;
 
 /// The directions that streets prefer, as a cross at every point: one heading and its three quarter turns.
@@ -53,8 +53,8 @@ impl DirectionField {
         Self { base: angle, hub: None, waves: Vec::new(), lattice: None }
     }
 
-    /// A field of a kind, with its headings drawn from `stream`. Slopes are read from `terrain` over `bounds`. The box is local
-    /// to `origin`, and so are all positions that the field is asked for later.
+    /// A field of a kind, with its headings drawn from `stream`. Slopes are read from `terrain` over `bounds`. The box and all
+    /// later positions are local to `origin`.
     pub(crate) fn draw(
         kind: FieldKind,
         stream: &mut Stream,
@@ -65,7 +65,7 @@ impl DirectionField {
         let mut field = Self::uniform(stream.range(0.0, FRAC_PI_2));
         match kind {
             FieldKind::Grid => {
-                // A third of the grids turn a little on their way, as where surveyors met a coast or an older road.
+                // A third of the grids turn a little, as where surveyors met a coast or an older road.
                 if stream.chance(0.33) {
                     field.waves = waves(stream, 2, (1800.0, 3200.0), 0.09);
                 }
@@ -88,8 +88,7 @@ impl DirectionField {
         if self.hub.is_some() || self.lattice.is_some() { self } else { Self { base: angle, ..self } }
     }
 
-    /// Angle of the cross of preferred directions at `p` (local to the town), in radians: of its four arms the one in
-    /// -pi/4..=pi/4.
+    /// Angle of the cross at `p` (local to the town), in radians: the angle of its arm in -pi/4..=pi/4.
     pub fn angle(&self, p: DVec2) -> f64 {
         let angle = match &self.lattice {
             Some(lattice) => angle_of(lattice.cross(p)) / 4.0,
@@ -124,7 +123,7 @@ impl DirectionField {
     }
 }
 
-/// Waves whose lengths lie in a range of metres, and that together make a heading wander by about `swing` radians.
+/// Waves with lengths in a range of metres, which together make a heading wander by about `swing` radians.
 fn waves(stream: &mut Stream, count: usize, lengths: (f64, f64), swing: f64) -> Vec<Wave> {
     (0..count)
         .map(|_| {

@@ -21,8 +21,8 @@ pub struct MainStreet {
     pub left: usize,
     /// Index of the main cell on its right (the same as `left` for a street that runs into a cell and ends).
     pub right: usize,
-    /// The border with another settlement that the street is a part of. That settlement has the same street, and the cell on
-    /// one side of it; on that side the index here is [`MainStreet::OUTSIDE`].
+    /// The border with another settlement along which the street runs. The other settlement has the same street and the cell
+    /// on one side of it; on that side the index here is [`MainStreet::OUTSIDE`].
     pub border: Option<Arc<Border>>,
 }
 
@@ -63,23 +63,22 @@ pub struct MainCell {
     pub id: CellId,
     /// What the cell is for.
     pub cell_use: CellUse,
-    /// Border, counter-clockwise, with the cell on its left. A main street that ends inside the cell is walked on both
-    /// sides, so points may repeat.
+    /// Border, counter-clockwise. A main street that ends inside the cell is walked on both sides, so points may repeat.
     pub border: Vec<DVec2>,
     /// Sides, which cover the border edges in order.
     pub sides: Vec<CellSide>,
-    /// Pole of inaccessibility: the chunk that holds it owns the cell.
+    /// Pole of inaccessibility: the chunk that contains this point owns the cell.
     pub anchor: DVec2,
 }
 
-/// A settlement planned whole. Positions are local to `origin`.
+/// A settlement planned whole. Positions are local to `origin`, in metres.
 #[derive(Clone, Debug)]
 pub struct Town {
     /// The settlement.
     pub settlement: Arc<Settlement>,
     /// The settlement's centre.
     pub origin: Origin,
-    /// Its outline.
+    /// The settlement's outline.
     pub outline: Arc<Outline>,
     /// Where roads enter, and where main streets cross a border; each is the end of a main street.
     pub gates: Vec<Gate>,

@@ -6,12 +6,12 @@ use crate::space::math::angle_between;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Metres of detour that a turn of one radian at a junction is worth.
+/// Cost of a turn of one radian at a junction, in metres of detour.
 const TURN_COST: f64 = 90.0;
-/// Cost of a metre of street that is already an arterial, so that the ways from several gates join.
+/// Cost of a metre of street that is already an arterial: less than 1, so that the ways from several gates join.
 const SHARED: f64 = 0.6;
 
-/// Makes arterials of the streets on the turn-penalised shortest ways from the gates to the centre.
+/// Makes the streets on the cheapest ways from the gates of roads to the centre arterials.
 pub(super) fn mark_arterials(sketch: &mut Sketch) {
     let g = &sketch.graph;
     let by_centre = |a: &VertexIx, b: &VertexIx| g.at(*a).length().total_cmp(&g.at(*b).length()).then(a.cmp(b));
@@ -41,7 +41,7 @@ fn way(sketch: &Sketch, from: VertexIx, to: VertexIx) -> Vec<EdgeIx> {
     let slots = g.edges().map(|(e, _)| e as usize + 1).max().unwrap_or(0) * 2;
     let mut before = vec![usize::MAX; slots];
     let mut best = vec![u64::MAX; slots];
-    // Costs in millimetres: whole numbers have an order.
+    // Costs are whole millimetres, which the queue can order.
     let cost = |e: EdgeIx| {
         let share = if g.edge(e).data == StreetClass::Arterial { SHARED } else { 1.0 };
         (g.edge_length(e) * share * 1000.0) as u64
@@ -76,10 +76,10 @@ fn way(sketch: &Sketch, from: VertexIx, to: VertexIx) -> Vec<EdgeIx> {
             let turn = turn.min(1.5);
             let penalty = if g.degree(v) > 2 { TURN_COST * turn * turn * 1000.0 } else { 0.0 };
             let total = reached + cost(next) + penalty as u64;
-            let to = half(next, v);
-            if total < best[to] {
-                (best[to], before[to]) = (total, h);
-                queue.push(Reverse((total, to)));
+            let onward = half(next, v);
+            if total < best[onward] {
+                (best[onward], before[onward]) = (total, h);
+                queue.push(Reverse((total, onward)));
             }
         }
     }

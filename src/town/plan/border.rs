@@ -1,5 +1,5 @@
 //! Streets along the borders that a settlement shares with others. They are laid last, so that the settlement's streets
-//! attach to them at their gates and nowhere else: the other settlement has the very same streets.
+//! attach to them at their gates and nowhere else: the other settlement has the same border streets.
 
 use super::sketch::Sketch;
 use crate::network::{EdgeIx, Street, VertexIx};
@@ -17,9 +17,9 @@ pub(super) struct BorderStreet {
 #[derive(Default)]
 pub(super) struct BorderStreets {
     pub streets: Vec<BorderStreet>,
-    /// The outline's vertices that the streets pass, with the sketch's vertex there.
+    /// The outline's vertices that the streets pass, each with the sketch's vertex at the same place.
     vertices: Vec<(usize, VertexIx)>,
-    /// The sketch's edges, in ascending order, with the index of their street.
+    /// The sketch's edges of these streets, in ascending order, each with the index of its street.
     edges: Vec<(EdgeIx, usize)>,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn lay_borders(sketch: &mut Sketch, outline: &Outline, origin: Origin
     out
 }
 
-/// The sketch's vertex at a vertex of the outline, which is made if there is none yet; a gate's own where it has one.
+/// The sketch's vertex at a vertex of the outline; at a gate the gate's own. Adds a vertex if there is none yet.
 fn vertex_at(sketch: &mut Sketch, borders: &mut BorderStreets, of_outline: usize) -> VertexIx {
     if let Some(v) = borders.vertex(of_outline) {
         return v;

@@ -24,18 +24,18 @@ const SMALL: f64 = 0.12;
 const MERGED: f64 = 2.0;
 /// Number of cuts that are tried in one face.
 const MOST_TRIES: usize = 120;
-/// Least width of a cell of regular growth, in metres: anywhere, since villages have short streets; and where one street runs
-/// through, so that there is room for lanes between the street and the fields.
+/// Least width of a cell of regular growth, in metres: the first anywhere, since villages have short streets; the second where
+/// one street runs through, so that there is room for lanes between the street and the fields.
 const LEAST_WIDTH: (f64, f64) = (170.0, 260.0);
 
-/// A graph of cell boundaries. Edges carry the class of the main street; those of the outline and of cuts carry `None`. The
-/// vertices and edges of the sketch come first, in their order, then the vertices of the outline that are no gates.
+/// A graph of cell boundaries. Edges of main streets carry the class; edges of the outline and of cuts carry `None`. The
+/// vertices and edges of the sketch come first, in their order, then the vertices of the outline that are not gates.
 type BoundaryGraph = PlanarGraph<Option<StreetClass>>;
 
 /// Main streets, outline and cuts: every inner face is a main cell.
 pub(super) struct CellGraph {
     pub graph: BoundaryGraph,
-    /// For each of the first edges of `graph`, the sketch's edge that it is a copy of.
+    /// The sketch's edges that the first edges of `graph` are copies of.
     pub edges: Vec<EdgeIx>,
 }
 
@@ -46,8 +46,8 @@ struct Cut {
     to: VertexIx,
 }
 
-/// Joins the network and the outline, and cuts the fringe into cells. No cut starts at a street along a border, since that
-/// street belongs to the neighbour, too.
+/// Joins the network and the outline, and cuts the fringe into cells. No cut starts at a street along a border, since the
+/// neighbour has the same street.
 pub(super) fn cell_graph(sketch: &Sketch, borders: &BorderStreets) -> CellGraph {
     let mut graph = BoundaryGraph::new();
     for v in sketch.graph.vertices() {
@@ -135,10 +135,10 @@ impl Fringe<'_> {
         }
     }
 
-    /// Cuts fringe faces until none is too large and none walks along a street or cut on both sides.
+    /// Cuts fringe faces until none is too large and none walks along both sides of a street or cut.
     fn divide(&self, graph: &mut BoundaryGraph) {
         let regular = self.regular();
-        // Faces without a good cut, by the first half-edge and the length of their walk: cuts elsewhere do not change them.
+        // Faces without a good cut, named by the first half-edge and the length of their walk, which cuts elsewhere keep.
         let mut uncut = Vec::new();
         for _ in 0..8 {
             let mut changed = false;
@@ -171,11 +171,11 @@ impl Fringe<'_> {
         }
     }
 
-    /// Merges faces that are small, slim or short of streets with a neighbour, by removing a cut between them. Cuts may be
-    /// removed if their index is `first_cut` or more.
+    /// Merges faces that are small, slim or short of streets with a neighbour, by removing a cut between them. Only cuts whose
+    /// index is `first_cut` or more may be removed.
     fn merge(&self, graph: &mut BoundaryGraph, first_cut: EdgeIx) {
         let (regular, frontage) = (self.regular(), self.least_frontage());
-        // Each round removes a cut, so this ends; the bound only guards the time.
+        // Each round removes a cut, so this ends. The bound only limits the time.
         for _ in 0..200 {
             let faces = graph.faces();
             let is_cut = |e: EdgeIx| e >= first_cut && graph.edge(e).data.is_none();
@@ -205,7 +205,7 @@ impl Fringe<'_> {
         }
     }
 
-    /// Area of a cell of regular growth.
+    /// Area of a cell of regular growth, in square metres.
     fn regular(&self) -> f64 {
         let rules = &self.sketch.rules;
         let least = if rules.degree.1 == 2 { LEAST_WIDTH.1 } else { LEAST_WIDTH.0 };
@@ -226,8 +226,7 @@ impl Fringe<'_> {
                 within(p) != within(q) && ![p, q].contains(&i) && ![p, q].contains(&j)
             })
         };
-        // For each point of the walk, twice the area that the walk has swept from its first point, and the length of its
-        // streets up to there.
+        // For each point of the walk, twice the area swept so far as seen from the first point, and the length of streets so far.
         let o = face.polygon[0];
         let (mut swept, mut front) = (vec![0.0; n], vec![0.0; n + 1]);
         for i in 0..n {
@@ -282,12 +281,12 @@ impl Fringe<'_> {
     }
 }
 
-/// A vertex that a walk visits twice, as the indices of both visits: of all such pairs the one farthest apart.
+/// Two visits of a walk to one vertex, as indices: of all such pairs the pair farthest apart.
 fn walked_twice(face: &Face) -> Option<(usize, usize)> {
     let mut visits: Vec<(VertexIx, usize)> = face.vertices.iter().copied().zip(0..).collect();
     visits.sort_unstable();
     let n = face.walk.len();
-    // That pair leaves the most room for a cut.
+    // The pair farthest apart leaves the most room for a cut.
     let pairs = visits.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| (w[0].1, w[1].1));
     pairs.max_by_key(|(p, q)| ((q - p).min(n - (q - p)), std::cmp::Reverse(*p)))
 }

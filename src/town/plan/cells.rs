@@ -24,8 +24,8 @@ pub(super) fn parts(
     borders: &BorderStreets,
 ) -> Parts {
     let (streets, graph, site) = (&sketch.graph, &cell_graph.graph, &sketch.site);
-    // A cut that meets a street divides it, so that a street has one cell on each side. At a gate on a border the neighbour
-    // always has a street, whatever there is on this side.
+    // A cut that meets a street divides the street, so that a street has one cell on each side. A gate on a border is always a
+    // junction, since the neighbour has a street there.
     let is_junction = |v: VertexIx| {
         let degree = streets.degree(v);
         let passed = borders.passes(v) && !sketch.is_gate(v);
@@ -96,7 +96,7 @@ pub(super) fn parts(
     Parts { junctions, mains, cells }
 }
 
-/// The cell of a face. `side_of` gives the main street of a half-edge and whether it runs along its line.
+/// The cell of a face. `side_of` gives the main street of a half-edge, and whether the half-edge runs along the street's line.
 fn cell(
     settlement: SettlementId,
     face: &Face,
@@ -104,7 +104,7 @@ fn cell(
     is_junction: impl Fn(usize) -> bool,
 ) -> MainCell {
     let n = face.walk.len();
-    // A side begins where the street changes; a street that comes back to where it began does so at its junction.
+    // A side begins where the street changes, or at a junction where a street meets itself.
     let begins = |i: usize| {
         let (before, here) = (side_of((i + n - 1) % n), side_of(i));
         before != here || (here.is_some() && is_junction(i))
@@ -123,7 +123,7 @@ fn cell(
             side.count += 1;
         }
     }
-    // No two cells walk the same half-edge.
+    // The lowest half-edge names the cell, since no two cells walk the same half-edge.
     let half_edge = |i: usize| {
         let ([ax, ay], [bx, by]) = (quantum_key(border[i]), quantum_key(border[(i + 1) % n]));
         [ax, ay, bx, by]

@@ -14,15 +14,15 @@ use glam::DVec2;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A network that keeps farther from the centre than this share of the radius has no middle.
+/// A network that stays farther from the centre than this share of the radius is discarded.
 const HOLLOW: f64 = 0.35;
 
-/// Plans a settlement. A pure function of its arguments. The `gates` are those of roads; each lies on a vertex of `outline` of
-/// its own, and none on a border with a settlement that it touches, since the gates on borders come with the outline.
+/// Plans a settlement. A pure function of its arguments. The `gates` are the gates of roads: each lies on its own vertex of
+/// `outline`, and none on a border with another settlement, since the gates on borders come with the outline.
 ///
-/// Main streets grow from the centre along the style's field (Teng 2017, section 2), gates are connected to them, and what ends
-/// in nothing is connected or removed: the only dead ends are gates. Settlements too small or too rugged for growth get a street
-/// that runs from gate to gate through the centre, or a ring around it. Borders are streets between their gates.
+/// Main streets grow from the centre along the style's field (Teng 2017, section 2), gates are connected to them, and streets
+/// that end in nothing are connected or removed: the only dead ends are gates. Settlements too small or too rugged for growth get
+/// a street that runs from gate to gate through the centre, or a ring around it. Borders are streets between their gates.
 ///
 /// # Errors
 ///
@@ -46,13 +46,13 @@ pub fn plan(
     let radius = (signed_area(polygon) / PI).sqrt();
     let rules = Rules::new(&style.main, radius);
     let mut sketch = Sketch::new(Site::new(outline, &gates, terrain), rules);
-    // Streets are laid out along the river, where it is nearest to the centre.
+    // Streets take the direction that the river has where it is nearest to the centre.
     let field = match &outline.river {
         Some(way) => field.facing(way.heading()),
         None => field,
     };
 
-    // A way of making streets that leaves none (all of them were dead ends) gives way to the next; a ring always stands.
+    // Three methods are tried in turn until one leaves streets: all streets of a method may be dead ends. A ring always stands.
     let lay_through = |sketch: &mut Sketch| -> Result<(), LayerError> {
         if sketch.site.river.is_none() && simple::lay_through_street(sketch, &mut seed.stream("town/through", &key)) {
             connect::connect_gates(sketch, cancel)?;
@@ -60,7 +60,7 @@ pub fn plan(
         }
         Ok(())
     };
-    // The street that runs through comes first where no main streets may cross.
+    // Where main streets may not cross, the street that runs through is tried first.
     if style.main.degree.1 == 2 {
         lay_through(&mut sketch)?;
     }
@@ -78,7 +78,7 @@ pub fn plan(
         repair::divide_large_faces(&mut sketch, &field, cancel)?;
         repair::drop_pockets(&mut sketch, cancel)?;
         repair::round_corners(&mut sketch);
-        // Streets between neighbouring gates may be all that stands.
+        // Only streets between neighbouring gates may be left.
         if sketch.graph.nearest_edge(DVec2::ZERO, HOLLOW * radius, |_| false).is_none() {
             sketch.clear();
         }

@@ -32,7 +32,7 @@ impl Candidate {
     }
 }
 
-/// Connects every gate that has no street yet to the network, those of the widest roads first. Always succeeds while the
+/// Connects every gate that has no street yet to the network, gates of the widest roads first. Always succeeds while the
 /// network holds the centre or runs around it.
 pub(super) fn connect_gates(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
     let mut order: Vec<usize> = (0..sketch.site.gates.len()).filter(|g| sketch.gate_vertices[*g].is_none()).collect();
@@ -46,7 +46,7 @@ pub(super) fn connect_gates(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), 
     Ok(())
 }
 
-/// Connects a gate by a curve, with demands that fall step by step; returns whether one was found.
+/// Connects a gate by a curve, with demands that fall step by step; returns whether a curve was found.
 fn connect_by_curve(sketch: &mut Sketch, gate: usize) -> bool {
     let full = sketch.rules.limits();
     let (at, inward) = (sketch.site.gates[gate].at, sketch.site.gates[gate].inward);
@@ -66,7 +66,7 @@ fn connect_by_curve(sketch: &mut Sketch, gate: usize) -> bool {
         (Limits { checks_ground: false, ..easier(36.0, 0.75, 0.6) }, 0.5),
         (Limits { checks_ground: false, ..easier(22.0, 0.6, 0.7) }, 0.9),
     ];
-    // The distance of the network decides how far to look.
+    // The distance to the network decides how far to look.
     let near = sketch.graph.nearest_edge(at, 1e6, |_| false).map_or(0.0, |(_, d)| d);
     for (limits, swing) in steps {
         let reach = near + sketch.rules.length + 60.0;
@@ -92,14 +92,14 @@ fn connect_by_curve(sketch: &mut Sketch, gate: usize) -> bool {
     false
 }
 
-/// Connects a gate by the straight line to the centre, up to the first street that it meets. The outline is star-shaped, so
-/// the line stays inside.
+/// Connects a gate by the straight line to the centre, up to the first street on the way. The outline is star-shaped, so the
+/// line stays inside.
 fn connect_straight(sketch: &mut Sketch, gate: usize) {
     let at = sketch.site.gates[gate].at;
     let hit = sketch.graph.first_hit(at, DVec2::ZERO, |_| false);
     let mut ends = Vec::new();
     if let Some(hit) = hit {
-        // A junction beside the meeting point saves a piece of street of a few metres.
+        // Ending at a junction beside the meeting point avoids a piece of street of a few metres.
         let edge = sketch.graph.edge(hit.edge);
         let near = |v: &VertexIx| sketch.graph.at(*v).distance(hit.at) < 15.0 && !sketch.is_gate(*v);
         ends.extend([edge.a, edge.b].into_iter().filter(near).map(End::Vertex));
@@ -130,7 +130,7 @@ fn connect_straight(sketch: &mut Sketch, gate: usize) {
     }
 }
 
-/// Connects dead ends to what is near, each by the best curve that keeps to the rules.
+/// Connects dead ends to nearby streets and junctions, each by the best curve that keeps to the rules.
 pub(super) fn connect_dead_ends(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
     let mut dead_ends = sketch.dead_ends();
     dead_ends.sort_by(|a, b| {
@@ -146,7 +146,7 @@ pub(super) fn connect_dead_ends(sketch: &mut Sketch, cancel: &Cancel) -> Result<
         let at = g.at(v);
         let heading = (at - g.at(g.edge(e).other(v))).normalize_or_zero();
         let mut all = candidates(sketch, at, heading, 1.7 * sketch.rules.length, &limits);
-        // A corner is better than no street, but a bend is better than a corner.
+        // A street with a corner is better than none, and a street with a bend is better than one with a corner.
         for c in candidates(sketch, at, DVec2::ZERO, 1.7 * sketch.rules.length, &limits) {
             let corner = angle_between(heading, c.leaving);
             if corner < 1.6 {
@@ -165,7 +165,8 @@ pub(super) fn connect_dead_ends(sketch: &mut Sketch, cancel: &Cancel) -> Result<
     Ok(())
 }
 
-/// Curves from `from` to what lies within reach. They leave with `heading`, or straight for their target if it is zero.
+/// Curves from `from` to streets and junctions within reach. They leave with `heading`, or straight for their target if
+/// `heading` is zero.
 fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: &Limits) -> Vec<Candidate> {
     let g = &sketch.graph;
     let mut out = Vec::new();
@@ -189,7 +190,7 @@ fn candidates(sketch: &Sketch, from: DVec2, heading: DVec2, reach: f64, limits: 
             }
             seen[v as usize] = true;
             let (p, degree) = (g.at(v), g.degree(v));
-            // A dead end gains most by a street; a junction is better than a point of inflexion, where it makes a new one.
+            // A dead end gains most by a street. A junction is better than a point of inflexion, which would become a junction.
             let extra = match degree {
                 1 => -0.5 * sketch.rules.length,
                 2 => 90.0,

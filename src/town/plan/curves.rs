@@ -7,7 +7,7 @@ use glam::DVec2;
 /// Distance between the points of inflexion of a curved street, in metres.
 pub(super) const STEP: f64 = 52.0;
 
-/// Bend that is too small to be seen: points nearer than this to the line between their neighbours are left out, in metres.
+/// Points nearer than this to the line between their neighbours are left out, in metres: the bend would not show.
 const FLAT: f64 = 0.4;
 
 /// Points of a cubic curve between two points, with a direction at each end.
@@ -15,7 +15,7 @@ pub(super) fn cubic(from: DVec2, leaving: DVec2, to: DVec2, arriving: DVec2) -> 
     let distance = from.distance(to);
     let (p1, p2) = (from + leaving * (0.37 * distance), to - arriving * (0.37 * distance));
     let turns = angle_between(leaving, to - from) + angle_between(to - from, arriving);
-    // Short steps where it bends, so that no point of inflexion is a corner.
+    // Steps are short where the curve bends, so that no point of inflexion is a corner.
     let parts = (distance / STEP).max(turns / 0.24).round().clamp(1.0, 40.0);
     (0..=parts as usize)
         .map(|i| {
@@ -26,7 +26,7 @@ pub(super) fn cubic(from: DVec2, leaving: DVec2, to: DVec2, arriving: DVec2) -> 
         .collect()
 }
 
-/// The points of `path` on the quantum grid, without those that bend it too little to be seen.
+/// The points of `path` on the quantum grid, without points whose bend would not show.
 pub(super) fn simplified(path: Vec<DVec2>) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(path.len());
     for p in path.into_iter().map(quantize) {

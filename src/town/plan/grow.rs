@@ -43,23 +43,23 @@ pub(super) fn grow(
     Ok(())
 }
 
-/// Headings of the streets to propose at a vertex: enough for a degree that is drawn from the style's range and is at least
-/// `least`, if the range allows it.
+/// Headings of the streets to propose at a vertex: enough for a degree drawn from the style's range, which is at least `least`
+/// if the range allows it.
 fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: VertexIx, least: usize) -> Vec<DVec2> {
     let (rules, g, at) = (&sketch.rules, &sketch.graph, sketch.graph.at(v));
     let (low, high) = rules.degree;
-    // The centre is where streets meet.
+    // As many streets as possible meet at the centre.
     let target = if v == 0 { high } else { (low + stream.index(high - low + 1)).max(least.min(high)) };
     let wanted = target.saturating_sub(g.degree(v));
-    let there: Vec<DVec2> = g.neighbours(v).map(|w| (g.at(w) - at).normalize_or_zero()).collect();
+    let existing: Vec<DVec2> = g.neighbours(v).map(|w| (g.at(w) - at).normalize_or_zero()).collect();
     let cross = direction(field.angle(at));
     let mut arms = [cross, cross.perp(), -cross, -cross.perp()];
     for i in (1..4).rev() {
         arms.swap(i, stream.index(i + 1));
     }
     // Straight continuations of streets come first.
-    arms.sort_by_key(|a| !there.iter().any(|d| d.dot(*a) < -0.9));
-    let mut all = there.clone();
+    arms.sort_by_key(|a| !existing.iter().any(|d| d.dot(*a) < -0.9));
+    let mut all = existing.clone();
     let mut out = Vec::new();
     let mut take = |heading: DVec2, all: &mut Vec<DVec2>| {
         if out.len() < wanted && all.iter().all(|d| angle_between(*d, heading) >= rules.min_angle) {
@@ -68,7 +68,7 @@ fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: Ver
         }
     };
     for arm in arms {
-        let through = there.iter().copied().find(|d| d.dot(arm) < -0.9);
+        let through = existing.iter().copied().find(|d| d.dot(arm) < -0.9);
         let (from, swing) = match through {
             Some(d) => ((arm - d).normalize_or_zero(), 0.35),
             None => (arm, 1.0),
@@ -76,7 +76,7 @@ fn headings(sketch: &Sketch, field: &DirectionField, stream: &mut Stream, v: Ver
         take(rotate(from, rules.angle_deviation * swing * stream.signed()), &mut all);
     }
     for _ in 4..target {
-        // More streets than a cross has go into the widest gap.
+        // Streets beyond the four arms of the cross go into the widest gap.
         let mut angles: Vec<f64> = all.iter().map(|d| angle_of(*d)).collect();
         angles.sort_by(f64::total_cmp);
         let gap = |i: usize| match angles.get(i + 1) {
@@ -102,7 +102,7 @@ fn propose(
     let mut length = rules.length + rules.deviation * stream.signed();
     let (start, at) = (End::Vertex(v), sketch.graph.at(v));
     if let Some(hub) = field.hub() {
-        // Streets away from the hub end on common rings, so that these close.
+        // Streets away from the hub end on common rings, so that the rings close.
         let out = (at - hub).normalize_or(heading);
         if out.dot(heading) > 0.9 {
             let radius = at.distance(hub);
@@ -117,7 +117,7 @@ fn propose(
             return Some(sketch.add(&path, start, end).1);
         }
     }
-    // There is nothing to attach to: the street ends free, and earlier where it would come too near to the outline.
+    // With nothing to attach to, the street ends free, and earlier where it would come too near the outline.
     let shortest = rules.min_length.max(0.6 * length);
     for share in [1.0, 0.8, 0.6] {
         let length = (length * share).max(shortest);
@@ -149,8 +149,8 @@ fn trace(field: &DirectionField, from: DVec2, heading: DVec2, length: f64) -> Ve
     out
 }
 
-/// Ends to which the traced line may be connected, the best first: where it crosses a street, and what lies within the snap
-/// radius of its end.
+/// Ends to which the traced line may be connected, the best first: its crossing with a street, and the junctions and streets
+/// within the snap radius of its end.
 fn attachments(sketch: &Sketch, v: VertexIx, traced: &[DVec2], length: f64) -> Vec<(End, DVec2)> {
     let (g, snap) = (&sketch.graph, sketch.rules.snap_radius);
     let hit = segments(traced).enumerate().find_map(|(i, (a, b))| {
@@ -173,7 +173,7 @@ fn attachments(sketch: &Sketch, v: VertexIx, traced: &[DVec2], length: f64) -> V
             }
         }
     }
-    // Junctions and ends before points of inflexion, then by distance.
+    // Junctions and ends come before points of inflexion, and near ones before far ones.
     let rank = |x: &(End, DVec2)| match x.0 {
         End::Vertex(w) => (g.degree(w) == 2, x.1.distance(tip)),
         _ => (false, x.1.distance(tip)),

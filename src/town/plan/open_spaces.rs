@@ -19,7 +19,7 @@ const SPACING: f64 = 260.0;
 const STREET_GAP: f64 = 30.0;
 /// Distance that an open space keeps from the outline, in metres.
 const OUTLINE_GAP: f64 = 45.0;
-/// Least length that is left of the last segment of a street that leads to an open space, in metres.
+/// Least length that an open space leaves of the last segment of a street that leads to it, in metres.
 const REST: f64 = 16.0;
 /// Least angle between two streets that lead to an open space, in radians.
 const LEAST_ANGLE: f64 = 0.78;
@@ -43,8 +43,8 @@ struct Arm {
 /// The street around an open space, counter-clockwise: its points, each with the arm that ends there.
 type Loop = Vec<(DVec2, Option<usize>)>;
 
-/// Replaces some of the big junctions by open spaces. A junction is big if three arterials meet there, or two arterials among
-/// four streets, or five streets.
+/// Replaces some of the big junctions by open spaces. A junction is big if three arterials meet there, or four streets of which
+/// two are arterials, or five streets.
 pub(super) fn replace_junctions(sketch: &mut Sketch, rules: &MainRules, seed: Seed, settlement: u64) {
     if rules.roundabouts + rules.squares <= 0.0 {
         return;
@@ -67,7 +67,7 @@ pub(super) fn replace_junctions(sketch: &mut Sketch, rules: &MainRules, seed: Se
         }
         let round = draw < rules.roundabouts;
         let (low, high) = if round { ROUND } else { SQUARE };
-        // A smaller one where the larger has no room.
+        // Where the drawn size has no room, smaller sizes are tried.
         for size in [size, size / 2.0, 0.0] {
             if replace(sketch, v, round, low + (high - low) * size) {
                 break;

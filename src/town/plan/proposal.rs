@@ -34,8 +34,8 @@ impl<'a> Proposal<'a> {
     }
 
     /// Whether the street keeps to the limits: constraints 2 to 4 of Teng 2017, section 3.3, and the reasons for which
-    /// connecting and clipping discard a street. Besides, it keeps a distance to every other street that grows with the
-    /// distance from its own ends, so that no street runs beside another.
+    /// connecting and clipping discard a street. The street must also keep a distance from every other street that grows with
+    /// the distance from its own ends, so that no street runs beside another.
     pub fn fits(&self, sketch: &Sketch, limits: &Limits) -> bool {
         let (path, n) = (self.path, self.path.len());
         let turns = || path.windows(3).map(|w| angle_between(w[1] - w[0], w[2] - w[1]));
@@ -51,7 +51,7 @@ impl<'a> Proposal<'a> {
             && (!limits.checks_ground || sketch.site.ground_fits(path))
     }
 
-    /// Whether the street meets other streets and the outline at its ends only. Exact.
+    /// Whether the street meets other streets and the outline only at its ends. Exact.
     pub fn crosses_nothing(&self, sketch: &Sketch) -> bool {
         let (path, site) = (self.path, &sketch.site);
         let last = path.len() - 2;
@@ -89,7 +89,7 @@ impl<'a> Proposal<'a> {
         };
         let at_gate = matches!(self.start, End::Gate(_));
         segments(path).all(|(from, to)| {
-            // Away from the ends the whole segment has to keep the whole distance.
+            // Far enough from the ends, the whole segment has to keep the full distance and need not be divided.
             let near =
                 distance(self.start, first, from, to).min(distance(self.end, last, from, to)) - from.distance(to) / 2.0;
             let whole = share * near >= limits.gap && (!at_gate || 0.3 * near >= limits.margin);
@@ -111,7 +111,7 @@ impl<'a> Proposal<'a> {
     }
 }
 
-/// Whether a street that leaves an end in a direction may be attached there.
+/// Whether a street may be attached to an end that it leaves in the direction `leaving`.
 fn end_fits(sketch: &Sketch, end: End, leaving: DVec2, limits: &Limits) -> bool {
     let g = &sketch.graph;
     match end {

@@ -1,6 +1,6 @@
 //! Streets along a river: quays on its bank lines, bridges between them, and a street from the centre to the first bridge.
 //!
-//! They are laid before anything grows, so that the streets of both banks grow on from one network.
+//! They are laid before anything grows, so that the streets on both banks grow from one network.
 
 use super::curves::{STEP, cubic, simplified};
 use super::proposal::Proposal;
@@ -24,7 +24,7 @@ const QUAY_END: f64 = 20.0;
 pub(super) struct Quays {
     /// Vertices from which streets grow.
     pub starts: Vec<VertexIx>,
-    /// For each bank, the vertices of its quay, and the index of the bank line's point that the first one lies at.
+    /// For each bank, the index of the bank line's point at which the quay begins, and the vertices of the quay.
     lines: [(usize, Vec<VertexIx>); 2],
     /// The bank on whose side the centre lies: 0 for the left one.
     near: usize,
@@ -76,8 +76,8 @@ pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -
     let curves = path.len() > 1 && Proposal::new(&path, start, end).crosses_nothing(sketch);
     let path = if curves { path } else { vec![DVec2::ZERO, to] };
     sketch.add(&path, start, end);
-    // Nothing comes from the centre to the far bank, so that streets grow from all along its quay. On both banks they grow
-    // from the ends of the quay.
+    // No street comes from the centre to the far bank, so streets grow from all along its quay. On both banks streets grow from
+    // the ends of the quay.
     let far = &quays[1 - near];
     let mut run = 0.0;
     for pair in far.windows(2) {
@@ -96,8 +96,8 @@ pub(super) fn lay(sketch: &mut Sketch, rules: &MainRules, stream: &mut Stream) -
     Quays { starts, lines: [(ranges[0].0, left), (ranges[1].0, right)], near, first }
 }
 
-/// The span for the first bridge: the nearest to the settlement's that a street from the centre reaches. With it come the
-/// first and last points of both bank lines between which quays may run.
+/// The span for the first bridge, with the first and last points of both bank lines between which quays may run. Of the spans
+/// that a street from the centre reaches, it is the nearest to [`Waterway::first`].
 fn first_bridge(sketch: &Sketch, way: &Waterway, near: usize) -> Option<(usize, [(usize, usize); 2])> {
     let river = sketch.site.river.as_ref()?;
     let range = |side: usize, first: usize, margin: f64| {
@@ -124,8 +124,8 @@ fn first_bridge(sketch: &Sketch, way: &Waterway, near: usize) -> Option<(usize, 
     None
 }
 
-/// Keeps the streets of the far bank from all ending in nothing: lays a crescent from one end of its quay to the other, or
-/// else one more bridge.
+/// Keeps the far bank from losing all its streets as dead ends: lays a crescent from one end of its quay to the other, or
+/// else a second bridge.
 pub(super) fn keep_far_bank(sketch: &mut Sketch, quays: &Quays) {
     let far = 1 - quays.near;
     let line = &quays.lines[far].1;
@@ -172,7 +172,7 @@ pub(super) fn keep_far_bank(sketch: &mut Sketch, quays: &Quays) {
         let apart = middle(k).distance(middle(quays.first));
         (apart >= CRESCENT && g.edge_between(a, b).is_none()).then_some((apart, a, b))
     };
-    // The nearest one that leaves room for houses between the two.
+    // The nearest bridge that leaves room for houses between it and the first.
     let found = (0..way.spans.len()).filter_map(bridge).min_by(|x, y| x.0.total_cmp(&y.0));
     if let Some((_, a, b)) = found {
         sketch.graph.add_edge(a, b, StreetClass::Main);
@@ -188,10 +188,10 @@ fn bridges(
     stream: &mut Stream,
 ) -> Vec<usize> {
     let inside = |span: usize| {
-        way.spans.get(span).is_some_and(|of| {
+        way.spans.get(span).is_some_and(|ends| {
             (0..2).all(|side| {
                 let (bank, (low, high)) = (&way.banks[side], ranges[side]);
-                let i = of[side];
+                let i = ends[side];
                 i >= low
                     && i <= high
                     && bank[i].distance(bank[low]) >= QUAY_END

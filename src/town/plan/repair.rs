@@ -1,5 +1,5 @@
-//! Repairs of the grown network: streets divide faces that are too large, streets around faces that are too small go,
-//! corners become round.
+//! Repairs of the grown network: streets divide faces that are too large, streets around faces that are too small are removed,
+//! and corners become round.
 
 use super::curves::{STEP, cubic, simplified};
 use super::proposal::Proposal;
@@ -29,7 +29,7 @@ const CORNER_ROOM: f64 = 18.0;
 struct Start {
     end: End,
     at: DVec2,
-    /// Index of the half-edge of the walk that it lies on, or that starts at it.
+    /// Index of the half-edge of the walk that the point lies on or begins.
     index: usize,
     /// Best direction into the face.
     inward: DVec2,
@@ -67,7 +67,7 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
         let (at, next, last) = (face.polygon[i], face.polygon[(i + 1) % n], face.polygon[(i + n - 1) % n]);
         if g.degree(v) < sketch.rules.degree.1 && !sketch.is_gate(v) {
             let (out, back) = ((next - at).normalize_or_zero(), (last - at).normalize_or_zero());
-            // Between the neighbours, to the left of the way out.
+            // Inward is between the two neighbours, on the left of the walk.
             let middle = out + back;
             let inward = if middle.length() < 0.2 {
                 left_normal(out)
@@ -119,7 +119,7 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
     for (_, i, j) in pairs.into_iter().take(60) {
         let (a, b) = (&starts[i], &starts[j]);
         let beeline = (b.at - a.at).normalize_or_zero();
-        // Square to the streets at both ends where that is not far from the way across.
+        // The street meets the streets at its ends more squarely than the straight line would.
         let blend = |inward: DVec2, line: DVec2| (line * 2.0 + inward).normalize_or_zero();
         let path = simplified(cubic(a.at, blend(a.inward, beeline), b.at, -blend(b.inward, -beeline)));
         if path.len() > 1 && Proposal::new(&path, a.end, b.end).fits(sketch, &limits) {
@@ -132,7 +132,7 @@ fn divide(sketch: &mut Sketch, field: &DirectionField, face: &Face) -> bool {
 
 /// Removes the streets inside a face that hang on one junction of its border.
 pub(super) fn drop_pockets(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
-    // Each round removes streets, so this ends; the bound only guards the time.
+    // Each round removes streets, so this ends. The bound only limits the time.
     for _ in 0..64 {
         cancel.check()?;
         let pocket = sketch.graph.faces().iter().filter(|f| f.area() > 0.0).find_map(|face| {
@@ -195,12 +195,12 @@ pub(super) fn round_corners(sketch: &mut Sketch) {
     }
 }
 
-/// Removes streets that are no arterials around faces too small or too narrow to be filled.
+/// Removes streets other than arterials around faces that are too small or too narrow to be filled.
 pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), LayerError> {
     let length = sketch.rules.length;
     let least_area = MIN_AREA.0.max(MIN_AREA.1 * length * length);
     let least_radius = MIN_INRADIUS.0.max(MIN_INRADIUS.1 * length);
-    // Each removal joins two faces, so this ends; the bound only guards the time.
+    // Each removal joins two faces, so this ends. The bound only limits the time.
     for _ in 0..64 {
         cancel.check()?;
         let faces = sketch.graph.faces();
@@ -230,7 +230,7 @@ pub(super) fn drop_slivers(sketch: &mut Sketch, cancel: &Cancel) -> Result<(), L
     Ok(())
 }
 
-/// The longest street of a face that is no arterial, no quay and no bridge, and leads to no gate.
+/// The longest street of a face, except arterials, quays, bridges and streets that lead to gates.
 fn longest_street(sketch: &Sketch, face: &Face) -> Option<Vec<EdgeIx>> {
     let g = &sketch.graph;
     let ends = |v| g.degree(v) != 2;

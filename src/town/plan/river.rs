@@ -1,11 +1,11 @@
-//! A river between main streets: the lines that only bridges cross, and the faces and edges that are the river's.
+//! A river between main streets: the lines that only bridges cross, and the faces and edges that belong to the river.
 
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
 use crate::region::Waterway;
 use crate::space::{closest_on_line, left_normal, quantize, segment_crossing, segments};
 use glam::DVec2;
 
-/// Distance from the bank lines towards the water beyond which only bridges go, in metres.
+/// Distance from the bank lines towards the water that only bridges may exceed, in metres.
 const BARRIER: f64 = 2.0;
 
 /// A river that runs through a settlement.
@@ -68,7 +68,7 @@ impl<'a> River<'a> {
         out
     }
 
-    /// The points of a bank line in order, together with the vertices `on_line` of a graph, which lie on it.
+    /// The points of a bank line in order, merged with the vertices `on_line` of a graph that lie on it.
     pub fn bank_points(
         &self,
         side: usize,

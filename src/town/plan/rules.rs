@@ -20,7 +20,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// Rules of a settlement whose outline has the area of a circle of `radius`.
+    /// Rules of a settlement whose outline has the area of a circle of `radius` metres.
     pub fn new(rules: &MainRules, radius: f64) -> Self {
         let length = rules.length.min(0.55 * radius).max(60.0);
         let scale = length / rules.length;
@@ -61,12 +61,12 @@ pub(super) struct Limits {
     pub min_angle: f64,
     /// Least length.
     pub min_length: f64,
-    /// Least length of both parts of a street that it splits.
+    /// Least length of both parts of a street that the proposal splits.
     pub min_part: f64,
     /// Least distance to the outline, except at gates.
     pub margin: f64,
     /// Greatest turn at a point of inflexion.
     pub max_turn: f64,
-    /// Whether it must keep off water and steep ground.
+    /// Whether the street must keep off water and steep ground.
     pub checks_ground: bool,
 }

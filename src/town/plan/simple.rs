@@ -22,7 +22,7 @@ pub(super) fn lay_through_street(sketch: &mut Sketch, stream: &mut Stream) -> bo
         .map(|(i, j)| (angle_between(gates[i].at, gates[j].at), i, j))
         .filter(|(angle, ..)| *angle >= OPPOSITE)
         .collect();
-    // Roads come before streets that cross a border.
+    // Gates of roads come before gates on borders.
     let borders = |i: usize, j: usize| [i, j].into_iter().filter(|g| gates[*g].class.is_main()).count();
     pairs.sort_by(|a, b| {
         let by_class = borders(a.1, a.2).cmp(&borders(b.1, b.2));
@@ -61,7 +61,7 @@ pub(super) fn lay_ring(sketch: &mut Sketch) {
     let n = outline.len();
     // A blend of the outline's shape and a circle: both are star-shaped about the centre, so the ring is simple.
     let nearest = outline.iter().map(|p| p.length()).fold(f64::INFINITY, f64::min);
-    // Only the ground on this side of a river counts.
+    // A ring stays on the centre's side of a river.
     let reaches: Vec<f64> = outline
         .iter()
         .map(|p| {

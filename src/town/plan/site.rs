@@ -1,4 +1,4 @@
-//! What main streets have to fit into: the outline with its gates, the river, and the ground.
+//! The surroundings that main streets have to fit into: the outline with its gates, the river, and the ground.
 
 use super::river::River;
 use crate::network::{EdgeIx, PlanarGraph, VertexIx};
@@ -15,7 +15,7 @@ const GROUND_STEP: f64 = 25.0;
 /// The surroundings of the main streets, which do not change while streets are planned.
 pub(super) struct Site<'a> {
     pub outline: &'a [DVec2],
-    /// The outline as a graph: its vertices and edges have the indices that they have in the polygon.
+    /// The outline as a graph, whose vertices and edges have the same indices as in the polygon.
     pub ring: PlanarGraph<()>,
     pub gates: &'a [Gate],
     /// The river that runs through the settlement, if one does.
@@ -44,7 +44,7 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// The outline's vertices before and after a gate.
+    /// The outline's vertices after and before a gate.
     pub fn beside_gate(&self, gate: usize) -> [DVec2; 2] {
         let (n, v) = (self.outline.len(), self.gates[gate].vertex);
         [self.outline[(v + 1) % n], self.outline[(v + n - 1) % n]]

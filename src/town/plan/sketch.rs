@@ -54,7 +54,7 @@ impl<'a> Sketch<'a> {
         self.site.river.as_ref().is_some_and(|river| river.way.bank_at(self.graph.at(v)).is_some())
     }
 
-    /// Vertices of degree 1 that are no gates.
+    /// Vertices of degree 1 that are not gates.
     pub fn dead_ends(&self) -> Vec<VertexIx> {
         self.graph.vertices().filter(|v| self.graph.degree(*v) == 1 && !self.is_gate(*v)).collect()
     }
@@ -73,7 +73,7 @@ impl<'a> Sketch<'a> {
         (first, last)
     }
 
-    /// The vertex of an end at `p`, which is made if there is none yet.
+    /// The vertex of an end at `p`. Adds a vertex if there is none yet.
     fn end_vertex(&mut self, end: End, p: DVec2) -> VertexIx {
         match end {
             End::Vertex(v) => v,
@@ -87,7 +87,7 @@ impl<'a> Sketch<'a> {
         }
     }
 
-    /// Removes streets that end in nothing, until there is none.
+    /// Removes streets that end in nothing, until none is left.
     pub fn prune(&mut self) {
         let mut dead_ends = self.dead_ends();
         while let Some(mut v) = dead_ends.pop() {

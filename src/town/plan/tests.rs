@@ -10,8 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// All segments of a town's main streets, with the indices of their streets.
 fn all_segments(town: &Town) -> Vec<(usize, DVec2, DVec2)> {
-    let of = |(i, m): (usize, &MainStreet)| segments(&m.street.line).map(move |(a, b)| (i, a, b)).collect::<Vec<_>>();
-    town.mains.iter().enumerate().flat_map(of).collect()
+    let numbered =
+        |(i, m): (usize, &MainStreet)| segments(&m.street.line).map(move |(a, b)| (i, a, b)).collect::<Vec<_>>();
+    town.mains.iter().enumerate().flat_map(numbered).collect()
 }
 
 fn key(p: DVec2) -> [u64; 2] {
@@ -66,7 +67,7 @@ fn check(case: &SettlementCase, town: &Town, what: &str) {
     for gate in &case.gates {
         assert_eq!(ids.get(&gate.junction), Some(&gate.at), "{what}");
     }
-    // Cells cover the outline; sides cover the border; every side of a street belongs to the cell that it says.
+    // Cells cover the outline; sides cover the border; every side of a street belongs to the cell that the street names.
     let cover: f64 = town.cells.iter().map(|c| signed_area(&c.border)).sum();
     assert!((cover - signed_area(polygon)).abs() < 1e-3, "{what}: cells cover {cover} of {}", signed_area(polygon));
     let names: BTreeSet<_> = town.cells.iter().map(|c| c.id).collect();
@@ -144,7 +145,7 @@ fn main_cells_have_the_size_and_width_that_streets_need() {
             let (area, width) = (signed_area(&cell.border), pole(&cell.border, 2.0).1);
             let fringe = cell.sides.iter().any(|s| s.main.is_none());
             let what = format!("case {number}, cell at {:.0}: {area:.0} m2, {width:.0} m", cell.anchor);
-            // Inner cells are those that the style asks for.
+            // Inner cells have the size that the style asks for.
             assert!(fringe || width >= 12.0, "{what}: slim");
             assert!(fringe || area <= 2.6 * length * length || length < 100.0, "{what}: large for {length:.0} m");
             built += 1;
