@@ -17,13 +17,13 @@ const DECK: f64 = 0.9;
 const PARAPET: f64 = 1.0;
 const PARAPET_WIDTH: f64 = 0.3;
 
-/// Distance between a pier and a street that the bridge passes over, in metres.
+/// Least distance between a pier and a street that the bridge passes over, in metres.
 const PIER_CLEARANCE: f64 = 13.0;
 
-/// Points of a deck's line from one pier to the next.
+/// Number of points of a deck's line from one pier to the next.
 const PIER_EVERY: usize = 3;
 
-/// Height below which a deck needs no pier, in metres, the pier's foot in the ground included.
+/// Piers lower than this are left out, in metres, their foot in the ground included.
 const LOWEST_PIER: f64 = 3.0;
 
 /// Depth of a pier's foot in the ground and half its thickness along the bridge, in metres.
@@ -33,7 +33,7 @@ const PIER_HALF: f64 = 0.6;
 /// Half the width of a pier as a share of half the width of its deck.
 const PIER_SHARE: f64 = 0.6;
 
-/// A bridge: its deck with parapets, on piers. Nothing if the chunk has no deck for it.
+/// Adds a bridge: its deck with parapets, on piers. Adds nothing if the chunk has no deck for it.
 pub(super) fn bridge(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
     let Some(Deck { line, heights, half_width: outer, crossings, .. }) = drape.deck(street.id) else { return };
     let (left, right) = (offset_line(line, *outer), offset_line(line, -outer));
@@ -71,7 +71,7 @@ pub(super) fn bridge(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Stre
     }
 }
 
-/// A pier under point `i` of a bridge's line, from the ground up to `top`.
+/// Adds a pier under point `i` of a bridge's line, from the ground up to the height `top`.
 fn pier(drape: &mut Drape<'_>, out: &mut MeshBuffers, line: &[DVec2], i: usize, top: f64, half: f64) {
     let base = drape.height(line[i]) - PIER_FOOT;
     if top - base < LOWEST_PIER {

@@ -2,16 +2,16 @@
 
 use glam::{DVec3, Vec3};
 
-/// Vertices and triangles (counter-clockwise seen from the front) with a normal and a linear RGBA colour each.
+/// Vertices, each with a normal and a linear RGBA colour, and triangles, counter-clockwise seen from the front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshBuffers {
-    /// Positions in metres.
+    /// Positions in metres, in Bevy's axes, from the chunk's south-west corner.
     pub positions: Vec<[f32; 3]>,
     /// Unit normals.
     pub normals: Vec<[f32; 3]>,
-    /// Linear RGBA.
+    /// Colours, linear RGBA.
     pub colours: Vec<[f32; 4]>,
-    /// Three per triangle.
+    /// Indices of vertices, three per triangle.
     pub indices: Vec<u32>,
 }
 
@@ -55,7 +55,7 @@ impl MeshBuffers {
         index
     }
 
-    /// Adds a triangle of earlier vertices, unless it has no area or faces away from their normals.
+    /// Adds a triangle of earlier vertices, unless it has no area or faces away from the normal of its first vertex.
     pub(super) fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|i| Vec3::from(self.positions[i as usize]));
         let cross = (b - a).cross(c - a);

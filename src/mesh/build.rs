@@ -11,7 +11,7 @@ use crate::terrain::Terrain;
 
 /// Builds the meshes of a chunk. `terrain` is the terrain that the chunk's ground was sampled from.
 ///
-/// Ground vertices on the chunk's border are the same, to the bit, in the meshes of its neighbours, whatever their detail.
+/// Ground vertices on the chunk's border have the same bits in the meshes of its neighbours, whatever their detail.
 ///
 /// # Errors
 ///

@@ -9,14 +9,15 @@ use crate::parcel::{Footprint, Lot, STOREY_HEIGHT};
 use crate::space::{Bounds, stable_hash};
 use glam::DVec2;
 
-/// Depth in the ground to which walls reach, in metres, near and in the distance.
+/// Depth of walls in the ground, in metres, in full detail.
 const FOOT: f64 = 0.6;
+/// Depth of walls in the ground, in metres, in reduced detail: the coarse ground may lie lower.
 const FAR_FOOT: f64 = 3.0;
 
-/// Height in metres that a building in the distance has in place of its pitched roof.
+/// Height of the block that stands for a pitched roof in reduced detail, in metres.
 const FAR_ROOF: f64 = 1.2;
 
-/// Plaster, brick and stone.
+/// Colours of plaster, brick and stone.
 const WALLS: [Rgb; 10] = [
     [0.640, 0.560, 0.430],
     [0.700, 0.660, 0.580],
@@ -30,7 +31,7 @@ const WALLS: [Rgb; 10] = [
     [0.500, 0.370, 0.300],
 ];
 
-/// Tiles and slate.
+/// Colours of tiles and slate.
 const ROOFS: [Rgb; 6] = [
     [0.330, 0.095, 0.050],
     [0.250, 0.085, 0.055],
@@ -88,7 +89,7 @@ fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, dra
 
     let shape = roof(plan, footprint.storeys, lot.map(|l| &l.polygon[..2]), footprint.id);
     let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
-    // A box in the distance keeps the colour of the roof and some of its height.
+    // In reduced detail a box keeps the colour of the roof and some of its height.
     let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + FAR_ROOF) };
     walls(out, plan, foot, eaves, wall);
     shape.build(out, plan, eaves, colour, wall);

@@ -5,7 +5,7 @@
 pub enum Detail {
     /// Everything.
     Full,
-    /// For the distance: coarse ground (whole along its border, so that it meets the ground of any other detail without a
-    /// crack), streets as flat ribbons, buildings as boxes.
+    /// For the distance: coarse ground, streets as flat ribbons and buildings as boxes. The ground is fine along its border, so
+    /// that it meets the ground of any other detail without a crack.
     Reduced,
 }

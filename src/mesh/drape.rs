@@ -1,5 +1,5 @@
-//! Laying flat shapes on the drawn ground. Shapes are cut along the triangles of the ground, so that they follow it exactly and
-//! it never shows through.
+//! Laying flat shapes on the drawn ground. Shapes are cut along the triangles of the ground, so that they follow the ground
+//! exactly and it never shows through.
 
 use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Height (metres) and gradient at a vertex of the ground grid.
 type Corner = (f64, DVec2);
 
-/// The drawn ground in a chunk's frame, inside the chunk's square and outside, at every vertex or at every `stride`-th.
+/// The drawn ground in a chunk's frame, inside and outside the chunk's square, at every `stride`-th vertex.
 pub(super) struct Drape<'a> {
     chunk: &'a Chunk,
     terrain: &'a dyn Terrain,
@@ -52,7 +52,7 @@ impl<'a> Drape<'a> {
         drape
     }
 
-    /// The deck of a bridge, if it comes over the chunk.
+    /// The deck of a bridge, if it passes over the chunk.
     pub fn deck(&self, bridge: StreetId) -> Option<&'a Deck> {
         self.chunk.decks.iter().find(|d| d.street == bridge)
     }
@@ -90,8 +90,8 @@ impl<'a> Drape<'a> {
         corner
     }
 
-    /// The lower or upper ground triangle of the grid square at `cell`: height and gradient at the square's south-west corner,
-    /// and their changes over the square to the east and to the north.
+    /// The plane of the lower (south-east) or upper ground triangle of the grid square at `cell`: height and gradient at the
+    /// square's south-west corner, and their changes over the square to the east and to the north.
     fn plane(&mut self, cell: IVec2, lower: bool) -> [Corner; 3] {
         let sw = self.corner(cell);
         let ne = self.corner(cell + IVec2::ONE);

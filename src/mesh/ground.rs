@@ -18,7 +18,7 @@ const WATER: Rgb = [0.020, 0.105, 0.165];
 /// Opacity of water.
 const WATER_ALPHA: f32 = 0.72;
 
-/// Width of a square of water or of coarse ground, in squares of the ground.
+/// Edge of a square of water or of coarse ground, in squares of the ground.
 pub(super) const COARSE: usize = 4;
 
 /// Colour of the ground by water, slope, vegetation and height, each passing smoothly into the next.
@@ -33,7 +33,7 @@ fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
     blend(BED, shore, step(-3.0, -0.2, above))
 }
 
-/// The chunk's ground: every square, or coarse squares inside a fine border.
+/// The chunk's ground: every square, or coarse squares with a fine border.
 pub(super) fn ground(chunk: &Chunk, drape: &mut Drape<'_>, coarse: bool) -> MeshBuffers {
     let mut out = MeshBuffers::default();
     let cells = chunk.ground.cells;
@@ -60,7 +60,7 @@ pub(super) fn ground(chunk: &Chunk, drape: &mut Drape<'_>, coarse: bool) -> Mesh
         for column in (0..cells).step_by(step) {
             let (east, north) = (column + step, row + step);
             if coarse && (column == 0 || row == 0 || east == cells || north == cells) {
-                // The vertices around the square, then a fan from a corner inside the chunk if there is one.
+                // A fan over the vertices around the square, from a corner inside the chunk if there is one.
                 let south_side = (column..east).map(|c| (c, row));
                 let east_side = (row..north).map(|r| (east, r));
                 let north_side = (column + 1..=east).rev().map(|c| (c, north));

@@ -1,4 +1,4 @@
-//! Junctions: the surface where streets meet, and the ends of these streets up to where their owners go on.
+//! Junctions: the surface where streets meet, and the ends of the streets up to where the chunks that own them draw on.
 
 use crate::chunk::Chunk;
 use crate::mesh::buffers::MeshBuffers;
@@ -7,7 +7,7 @@ use crate::mesh::ribbon::{carriageway_colour, corner, ribbon};
 use crate::network::Street;
 use crate::surface::{JunctionShape, ROAD_LIFT};
 
-/// The streets that end at each of the chunk's junctions, and whether the street begins there.
+/// The streets at each of the chunk's junctions, each with whether it begins there.
 pub(super) fn ends(chunk: &Chunk) -> Vec<Vec<(&Street, bool)>> {
     let mut ends: Vec<Vec<(&Street, bool)>> = vec![Vec::new(); chunk.junctions.len()];
     for street in chunk.streets.iter().map(|s| &s.street).chain(&chunk.arriving) {

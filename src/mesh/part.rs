@@ -53,7 +53,7 @@ impl ChunkPart {
     }
 }
 
-/// The meshes of a chunk, by part. Any may be empty.
+/// The meshes of a chunk, by part. Any of them may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChunkMesh {
     buffers: [MeshBuffers; ChunkPart::ALL.len()],
@@ -65,7 +65,7 @@ impl ChunkMesh {
         ChunkPart::ALL.into_iter().zip(&self.buffers)
     }
 
-    /// [`parts`](Self::parts) by value.
+    /// The same as [`parts`](Self::parts), by value.
     pub fn into_parts(self) -> impl Iterator<Item = (ChunkPart, MeshBuffers)> {
         ChunkPart::ALL.into_iter().zip(self.buffers)
     }

@@ -16,8 +16,7 @@ const PAVEMENT_LIFT: f64 = ROAD_LIFT + KERB_HEIGHT;
 /// Height above the ground, in metres, from which the sides of a street rise: below the ground, so that no gap shows.
 const SIDE_BASE: f64 = -0.1;
 
-/// Height of streets in the distance above the ground, in metres: more than the coarse ground differs from the ground on
-/// most land.
+/// Height of streets above the ground in reduced detail, in metres: on most land the coarse ground differs by less.
 const FAR_LIFT: f64 = 0.6;
 
 /// Height of markings above the carriageway, in metres.
@@ -44,7 +43,7 @@ pub(super) fn carriageway_colour(class: StreetClass) -> Rgb {
     if class.is_road() { ROAD } else { ASPHALT }
 }
 
-/// A street's surface along a piece of its centre line, from outer edge to outer edge; nothing for fewer than two points.
+/// Adds a street's surface along a piece of its centre line, from outer edge to outer edge; nothing for fewer than two points.
 pub(super) fn ribbon(drape: &mut Drape<'_>, out: &mut MeshBuffers, line: &[DVec2], class: StreetClass) {
     let Some(Strip { carriageway: [left, right], outer }) = Strip::new(line, class) else { return };
     for i in 0..line.len() - 1 {
@@ -54,8 +53,8 @@ pub(super) fn ribbon(drape: &mut Drape<'_>, out: &mut MeshBuffers, line: &[DVec2
     edging(drape, out, &right, &outer[1], false);
 }
 
-/// One side of a street: the pavement between the carriageway's edge and the outer edge, which have as many points, its kerb
-/// and its outer face. Without a pavement the edges are one, and only the outer face is made. `left` says which side it is.
+/// Adds one side of a street: the pavement between the carriageway's edge `inner` and the `outer` edge, its kerb and its outer
+/// face. Both edges have the same number of points. Without a pavement they coincide, and only the outer face is added.
 fn edging(drape: &mut Drape<'_>, out: &mut MeshBuffers, inner: &[DVec2], outer: &[DVec2], left: bool) {
     for i in 0..inner.len() - 1 {
         let [a, b, c, d] = [inner[i], inner[i + 1], outer[i + 1], outer[i]];
@@ -73,7 +72,7 @@ fn edging(drape: &mut Drape<'_>, out: &mut MeshBuffers, inner: &[DVec2], outer: 
     }
 }
 
-/// The pavement, kerb and outer face of a junction's corner.
+/// Adds the pavement, kerb and outer face of a junction's corner.
 pub(super) fn corner(drape: &mut Drape<'_>, out: &mut MeshBuffers, Corner { kerb, side, paved }: &Corner) {
     if !paved {
         for w in kerb.windows(2) {
@@ -81,7 +80,7 @@ pub(super) fn corner(drape: &mut Drape<'_>, out: &mut MeshBuffers, Corner { kerb
         }
         return;
     }
-    // Always on to the nearer of the two next points.
+    // Each step goes on to the nearer of the two next points.
     let (mut i, mut j) = (0, 0);
     while i + 1 < kerb.len() || j + 1 < side.len() {
         let along_kerb = match (kerb.get(i + 1), side.get(j + 1)) {
@@ -101,12 +100,12 @@ pub(super) fn corner(drape: &mut Drape<'_>, out: &mut MeshBuffers, Corner { kerb
     }
 }
 
-/// Whether a street has a surface on the ground or on a deck.
+/// Whether a street has a surface: on the ground or on a deck.
 pub(super) fn is_drawn(street: &Street) -> bool {
     street.length() >= SHORTEST && !street.tunnel
 }
 
-/// A street on the ground, between the parts that belong to its junctions.
+/// Adds a street on the ground, between the parts that belong to its junctions.
 pub(super) fn street(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
     let (length, end) = (street.length(), junction_reach(street));
     let line = cut_line(&street.line, end, length - end);
@@ -125,7 +124,7 @@ pub(super) fn street(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Stre
     }
 }
 
-/// A street in the distance: one flat ribbon from end to end.
+/// Adds a street in reduced detail: one flat ribbon from end to end.
 pub(super) fn far_street(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
     let half = street.class.half_width();
     let (left, right) = (offset_line(&street.line, half), offset_line(&street.line, -half));

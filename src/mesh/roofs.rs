@@ -4,7 +4,7 @@ use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::space::{cross, left_normal, orient, stable_hash};
 use glam::{DVec2, DVec3};
 
-/// Number of storeys from which a building has no pitched roof.
+/// Buildings with this many storeys or more have no pitched roof.
 const FLAT_FROM: u32 = 4;
 
 /// Shape of a roof. `start` is the index of the corner of the footprint at which the pattern begins.
@@ -153,7 +153,7 @@ pub(super) fn ears(plan: &[DVec2]) -> Vec<[usize; 3]> {
             let holds = |p: DVec2| orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0;
             orient(a, b, c) > 0.0 && !left.iter().any(|i| !t.contains(i) && holds(plan[*i]))
         };
-        // A polygon that crosses itself runs out of ears. The rest is cut in order.
+        // A polygon that crosses itself runs out of ears; its rest is cut in order.
         let k = (0..n).find(is_ear).unwrap_or(0);
         out.push(corner(k));
         left.remove(k);

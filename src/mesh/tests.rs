@@ -153,7 +153,7 @@ fn streets_are_covered_once_and_kerbs_never_cross_them() {
             }
         }
         assert!(holes * 2000 < total, "seed {seed}: {holes} holes in {total} samples");
-        // What is raised to the height of a pavement lies on no carriageway.
+        // No triangle at the height of a pavement lies on a carriageway.
         let raised = heights.iter().filter(|(_, lift)| *lift > 0.17);
         let crossing = raised
             .clone()
@@ -232,7 +232,7 @@ fn kerbs_face_the_carriageway_and_outer_sides_face_away() {
     let mesh = meshes(&chunk, Detail::Full);
     let roads = &mesh[ChunkPart::Roads];
     let streets: Vec<&Street> = chunk.streets.iter().map(|s| &s.street).collect();
-    // How far a point of the plan is outside the street that covers it best.
+    // Distance of a plan point outside the street that covers it best.
     let outside = |p: DVec2, width: fn(&Street) -> f64| {
         streets.iter().map(|s| distance_to_line(p, &s.line) - width(s)).fold(f64::INFINITY, f64::min)
     };

@@ -17,15 +17,17 @@ const PITCH: f64 = 2.7;
 /// Length without windows at each end of a wall, in metres.
 const WALL_END: f64 = 0.7;
 
-/// Half the width of a window, the height of its sill above the floor, and its own height, in metres.
+/// Half the width of a window, in metres.
 const HALF: f64 = 0.55;
+/// Height of a window's sill above the floor, in metres.
 const SILL: f64 = 0.9;
+/// Height of a window, in metres.
 const HEIGHT: f64 = 1.4;
 
 /// Half the width and the height of a door, in metres.
 const DOOR: (f64, f64) = (0.55, 2.1);
 
-/// Number of storeys from which a wall has one band of glass on each storey instead of windows.
+/// Buildings with this many storeys or more have a band of glass on each storey instead of windows.
 const BANDED: u32 = 7;
 
 /// The outside of a building.
@@ -44,8 +46,7 @@ pub(super) struct Facade<'a> {
     pub id: u64,
 }
 
-/// Adds the windows and the door of a building. `neighbours` are the footprints around it with their boxes, its own among
-/// them.
+/// Adds the windows and the door of a building. `neighbours` are the footprints around it with their boxes, its own included.
 pub(super) fn windows(
     out: &mut MeshBuffers,
     facade: &Facade<'_>,

@@ -16,17 +16,17 @@ const MIN_AREA: f64 = 150.0;
 const MIN_WIDTH: f64 = 6.0;
 
 /// Distance between a block and the pavements around it, in metres, so that neither rounding to the quantum grid nor dropping
-/// points on stretches that are straight to within [`STRAIGHT`] brings a block onto a pavement.
+/// points on stretches that are straight within [`STRAIGHT`] brings a block onto a pavement.
 const MARGIN: f64 = 0.012;
 
-/// Distance in metres to the line through its neighbours below which a point of a border is dropped.
+/// A point of a border is dropped if it is nearer than this to the line through its neighbours, in metres.
 const STRAIGHT: f64 = 0.004;
 
 /// A block.
 pub(super) struct BlockShape {
     /// The border, counter-clockwise.
     pub polygon: Vec<DVec2>,
-    /// For each edge of the border the street (index) that it follows.
+    /// For each edge of the border, the index of the street that it follows, if any.
     pub fronts: Vec<Option<usize>>,
 }
 
@@ -42,7 +42,7 @@ pub(super) fn blocks(border: &[DVec2], streets: &[&Street]) -> Vec<BlockShape> {
     let mut out = Vec::new();
     while let Some(mut shape) = shapes.pop() {
         if shape.len() > 1 {
-            // Streets that reach no border make a hole. The shape is cut in two through the middle of its first hole.
+            // Streets that reach no border leave a hole. The shape is cut in two through the middle of its first hole.
             let hole = Bounds::of(shape[1].iter().map(|p| grid.point(p))).centre().x;
             for (low, high) in [(bounds.min.x, hole), (hole, bounds.max.x)] {
                 let corners = [(low, bounds.min.y), (high, bounds.min.y), (high, bounds.max.y), (low, bounds.max.y)];
@@ -98,7 +98,7 @@ impl Grid {
     }
 }
 
-/// The ring from its corner that is first by x and y, without doubled points, spikes, and points on straight stretches.
+/// The ring, begun at its first corner by x and y, without doubled points, spikes and points on straight stretches.
 fn tidy(mut ring: Vec<DVec2>) -> Vec<DVec2> {
     // The first corner always stays, so each point is judged between the last point kept and the next one.
     let first = (0..ring.len()).min_by(|&i, &j| ring[i].x.total_cmp(&ring[j].x).then(ring[i].y.total_cmp(&ring[j].y)));
@@ -144,7 +144,7 @@ fn width(polygon: &[DVec2]) -> f64 {
     across.min(4.0 * signed_area(polygon) / around)
 }
 
-/// The street (index) whose outer edge the border edge `a`-`b` follows. `near` are boxes around the streets.
+/// Index of the street whose outer edge the border edge `a`-`b` follows. `near` are boxes around the streets.
 fn street_along(a: DVec2, b: DVec2, streets: &[&Street], near: &[Bounds]) -> Option<usize> {
     let middle = (a + b) / 2.0;
     let inwards = left_normal(b - a);
@@ -156,7 +156,7 @@ fn street_along(a: DVec2, b: DVec2, streets: &[&Street], near: &[Bounds]) -> Opt
         let half = street.class.half_width();
         let (at, distance) = nearest_point(middle, &street.line);
         let excess = distance - half;
-        // A short edge may be the tip of a mitre, which lies further out.
+        // A short edge may be the tip of a mitre, which lies farther out.
         let allowed = if a.distance_squared(b) < 36.0 { half * 0.45 } else { 0.1 };
         if excess < allowed && (at - middle).dot(inwards) < 0.0 && best.is_none_or(|(e, _)| excess < e) {
             best = Some((excess, i));

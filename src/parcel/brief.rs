@@ -1,4 +1,4 @@
-//! What is given to divide a main cell.
+//! The input for dividing a main cell.
 
 use crate::network::Street;
 use crate::space::{Origin, Seed};
@@ -11,7 +11,7 @@ use glam::DVec2;
 pub struct ParcelBrief<'a> {
     /// The world's seed.
     pub seed: Seed,
-    /// Name of the cell: the key of its random streams.
+    /// Name of the cell, which is the key of its random streams.
     pub id: CellId,
     /// Border, counter-clockwise. It runs along both sides of a main street that ends inside the cell.
     pub border: &'a [DVec2],
@@ -19,7 +19,7 @@ pub struct ParcelBrief<'a> {
     pub streets: &'a [&'a Street],
     /// Rules of the cell's style.
     pub rules: &'a ParcelRules,
-    /// How central the cell is, from 0 at the settlement's outline to 1 at its centre.
+    /// Position of the cell, from 0 at the settlement's outline to 1 at its centre.
     pub centrality: f64,
     /// The ground, which buildings stand on.
     pub terrain: &'a dyn Terrain,

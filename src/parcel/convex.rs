@@ -1,4 +1,4 @@
-//! Convex polygons, clipped by lines: what lots and buildings are cut out with.
+//! Convex polygons clipped by lines: the tools that cut out lots and buildings.
 
 use crate::space::{Bounds, cross, left_normal, signed_area};
 use glam::DVec2;
@@ -112,7 +112,7 @@ pub(super) fn chord(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
     (low < high).then_some((low, high))
 }
 
-/// A convex polygon less the quadrant `a` and `b` both hold: an L, when the quadrant's corner lies inside. `None` otherwise.
+/// A convex polygon without the quadrant where `a` and `b` overlap: an L, if the quadrant's corner lies inside. `None` otherwise.
 pub(super) fn without_quadrant(polygon: &[DVec2], a: HalfPlane, b: HalfPlane) -> Option<Vec<DVec2>> {
     let det = cross(a.normal, b.normal);
     if det.abs() < 0.3 {
@@ -126,7 +126,7 @@ pub(super) fn without_quadrant(polygon: &[DVec2], a: HalfPlane, b: HalfPlane) ->
     }
     let cut = clip(&clip(polygon, a), b);
     let inner = cut.iter().position(|p| p.distance_squared(corner) < 1e-6)?;
-    // The cut's border outside the corner runs along the polygon's border: replace that stretch by the corner.
+    // The cut's border runs along the polygon's border, except at the corner: the corner replaces that stretch.
     let (entry, exit) = (cut[(inner + cut.len() - 1) % cut.len()], cut[(inner + 1) % cut.len()]);
     let mut out = vec![exit, corner, entry];
     let edge_of = |p: DVec2| {

@@ -10,15 +10,15 @@ use crate::space::{QUANTUM, quantize, stable_hash};
 use crate::terrain::DrawnGround;
 use glam::DVec2;
 
-/// Greatest length of a park's border without a street, in metres: corners of streets of different widths leave a little.
+/// Greatest length of a park's border without a street, in metres: streets of different widths leave a little at corners.
 const MOST_OPEN: f64 = 12.0;
 
 /// Divides a main cell into blocks, lots and footprints.
 ///
-/// Blocks are what the surface of the streets leaves of the cell, without pieces that are too small or thin to use. Lots are
+/// Blocks are the land that the surface of the streets leaves of the cell, without pieces too small or thin to use. Lots are
 /// strips along the streets, cut across, in the spirit of the skeleton subdivision of Vanegas et al. 2012 ("Procedural
 /// generation of parcels in urban modeling", section 4): each lot has a frontage, the lots of a block are disjoint, and land
-/// too deep inside a block belongs to no lot. A built block without room for a lot is a park.
+/// too deep inside a block belongs to no lot. A block without room for a lot is a park.
 ///
 /// # Errors
 ///
@@ -57,7 +57,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
     Ok(out)
 }
 
-/// Whether there are streets on all sides of a block. A park has them; elsewhere the town ends.
+/// Whether there are streets on all sides of a block. Only such a block may become a park: elsewhere the town ends.
 fn is_enclosed(shape: &BlockShape) -> bool {
     let n = shape.polygon.len();
     let edge = |i: usize| shape.polygon[i].distance(shape.polygon[(i + 1) % n]);

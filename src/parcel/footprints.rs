@@ -9,11 +9,12 @@ use glam::DVec2;
 /// Least area of a building, in square metres.
 const MIN_AREA: f64 = 35.0;
 
-/// Least distance (metres) from a building to the border of its lot, more than rounding can eat.
+/// Least distance (metres) from a building to the border of its lot: more than rounding can take away.
 const CLEARANCE: f64 = 0.02;
 
-/// Least width of a wing behind a row house, and what it leaves free at the back of the lot, in metres.
+/// Least width and depth of a wing behind a row house, in metres.
 const WING: f64 = 5.0;
+/// Depth that a wing leaves free at the back of the lot, in metres.
 const YARD: f64 = 3.5;
 
 /// Buildings closer than this (metres) to the sides of their lots count as a closed row.
@@ -50,7 +51,7 @@ pub(super) fn footprint(lot: &LotShape, rules: &ParcelRules, rng: &mut Stream) -
     (signed_area(&plan) >= MIN_AREA && size.min_element() >= 4.0).then_some(plan)
 }
 
-/// A building from side to side of the lot, along both streets at a corner; elsewhere a share of `wings` has one behind it.
+/// A building from side to side of the lot, along both streets at a corner. Away from corners a share `wings` has a wing behind.
 fn row_house(room: &[DVec2], front: HalfPlane, lot: &LotShape, depth: f64, wings: f64, rng: &mut Stream) -> Vec<DVec2> {
     let back = front.moved(depth);
     if let Some(i) = lot.corner {
@@ -58,7 +59,7 @@ fn row_house(room: &[DVec2], front: HalfPlane, lot: &LotShape, depth: f64, wings
         if let Some(plan) = without_quadrant(room, back, yard) {
             return plan;
         }
-        // Too small for a yard inside the corner.
+        // The lot is too small for a yard inside the corner.
         let deep = room.iter().map(|p| front.depth(*p)).fold(0.0, f64::max);
         if deep < 1.6 * depth {
             return room.to_vec();
@@ -68,7 +69,7 @@ fn row_house(room: &[DVec2], front: HalfPlane, lot: &LotShape, depth: f64, wings
     winged.unwrap_or_else(|| clip(room, back.flipped()))
 }
 
-/// A row house with a wing along one side of its yard, as far back as it likes; `None` where the yard is too small.
+/// A row house with a wing of random depth along one side of its yard; `None` where the yard is too small.
 fn with_wing(room: &[DVec2], front: HalfPlane, depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
     let u = -front.normal.perp();
     let deep = room.iter().map(|p| front.depth(*p)).fold(0.0, f64::max) - YARD;
@@ -97,7 +98,7 @@ fn house(room: &[DVec2], depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
             let (Some(a), Some(b)) = (chord(room, low), chord(room, high)) else { continue };
             let (left, right) = (a.0.max(b.0), a.1.min(b.1));
             let width = right - left;
-            // Wider than about twice its depth it would be a bar.
+            // A house much wider than twice its depth would be a bar.
             let area = width.min(depth * share * 2.2) * (high - low);
             if width > 4.0 && best.is_none_or(|(most, _)| area > most) {
                 best = Some((area, [left, right, low, high]));
@@ -106,7 +107,7 @@ fn house(room: &[DVec2], depth: f64, rng: &mut Stream) -> Option<Vec<DVec2>> {
     }
     let (area, [left, right, low, high]) = best?;
     let (fit_width, fit_depth) = ((right - left).min((high - low) * 2.2), high - low);
-    // Rooms are about as large as the lot allows on small lots, and leave a garden on large ones.
+    // Houses fill small lots, and leave a garden on large ones.
     let shrink =
         |rng: &mut Stream, size: f64| if area > 70.0 { (size * rng.range(0.68, 1.0)).max(7.0).min(size) } else { size };
     let (width, depth) = (shrink(rng, fit_width), shrink(rng, fit_depth));

@@ -20,7 +20,7 @@ pub enum BlockUse {
 pub struct Block {
     /// Stable name.
     pub id: u64,
-    /// Counter-clockwise, in metres.
+    /// Border, counter-clockwise, in local metres.
     pub polygon: Vec<DVec2>,
     /// What the block is used for.
     pub land_use: BlockUse,
@@ -31,9 +31,9 @@ pub struct Block {
 pub struct Lot {
     /// Stable name.
     pub id: u64,
-    /// The block it is part of.
+    /// The block that the lot is a part of.
     pub block: u64,
-    /// Counter-clockwise, in metres. The first edge is the frontage.
+    /// Border, counter-clockwise, in local metres. The first edge is the frontage.
     pub polygon: Vec<DVec2>,
     /// The street that the frontage lies on.
     pub street: StreetId,
@@ -44,9 +44,9 @@ pub struct Lot {
 pub struct Footprint {
     /// Stable name.
     pub id: u64,
-    /// The lot it stands on.
+    /// The lot that the building stands on.
     pub lot: u64,
-    /// Counter-clockwise, in metres.
+    /// Outline, counter-clockwise, in local metres.
     pub polygon: Vec<DVec2>,
     /// Number of storeys, at least 1.
     pub storeys: u32,

@@ -13,14 +13,13 @@ use crate::space::{
 use crate::style::ParcelRules;
 use glam::DVec2;
 
-/// Greatest distance between a frontage and the bend of the border that it cuts off, in metres. At sharper bends the lots
-/// part.
+/// Greatest distance between a frontage and the bend of the border that it cuts off, in metres. Sharper bends divide lots.
 const SAGITTA: f64 = 1.5;
 
-/// Distance from a run, in metres, within which the corners of a lot take the run's stretch between them.
+/// Corners of a lot within this distance of a run, in metres, take up the stretch of the run between them.
 const ON_RUN: f64 = 3.0;
 
-/// A lot: a convex polygon, its first edge the frontage.
+/// A lot: a convex polygon whose first edge is the frontage.
 pub(super) struct LotShape {
     pub polygon: Vec<DVec2>,
     /// Index of the street that the frontage lies on.
@@ -71,7 +70,7 @@ fn frontages(run: &Run, from: f64, to: f64, rules: &ParcelRules, rng: &mut Strea
             widths.push(width);
             sum += width;
         }
-        // The last lot may be one too many to leave each lot its least width.
+        // With the last lot, the lots may be too narrow.
         if widths.len() > 1 && length / (widths.len() as f64) < least.max(0.6 * (least + most) / 2.0) {
             sum -= widths.pop().unwrap_or_default();
         }
@@ -101,7 +100,7 @@ fn follow(run: &Run, cuts: Vec<f64>) -> Vec<f64> {
     out
 }
 
-/// Cuts a block; holds the lots so far.
+/// Cuts a block into lots, and collects them.
 struct Cutter<'a> {
     block: &'a BlockShape,
     /// The half-planes inside the edges of the block.
@@ -137,7 +136,7 @@ impl Cutter<'_> {
         best
     }
 
-    /// The stretches of a run at which no lot lies, from and to in metres along the run.
+    /// The stretches of a run without lots, each from and to in metres along the run.
     fn free(&self, run: &Run) -> Vec<(f64, f64)> {
         let near = Bounds::of(run.line.iter().copied()).grown(ON_RUN);
         let mut taken: Vec<(f64, f64)> = Vec::new();
@@ -293,7 +292,7 @@ fn frontage(lot: &[DVec2], front: HalfPlane) -> Option<(usize, f64)> {
         .max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0)))
 }
 
-/// The largest part of a lot that one of `halves` leaves and that still has a frontage; empty if there is none.
+/// The largest part of a lot inside one of `halves` that still has a frontage; empty if there is none.
 fn best(lot: &[DVec2], front: HalfPlane, halves: impl IntoIterator<Item = HalfPlane>) -> Vec<DVec2> {
     let mut best = (0.0, Vec::new());
     for half in halves {

@@ -4,19 +4,20 @@ use crate::parcel::blocks::BlockShape;
 use crate::space::{left_normal, point_at};
 use glam::DVec2;
 
-/// Cosine of the turn of the border at which the next run begins: 30 degrees.
+/// Cosine of the turn of the border at which the next run begins, which is 30 degrees.
 pub(super) const CORNER: f64 = 0.866;
 
 /// A stretch of a block's border that follows streets and has no corner.
 pub(super) struct Run {
     /// The stretch, with the block to its left.
     pub line: Vec<DVec2>,
-    /// For each point of the line its distance from the start along the line, in metres.
+    /// For each point of the line, its distance from the start along the line, in metres.
     pub along: Vec<f64>,
-    /// For each edge of the line the street (index) that it follows.
+    /// For each edge of the line, the index of the street that it follows.
     streets: Vec<usize>,
-    /// Unit directions of the border edges before and after the run; zero if the run is the whole border.
+    /// Unit direction of the border edge before the run; zero if the run is the whole border.
     before: DVec2,
+    /// Unit direction of the border edge after the run; zero if the run is the whole border.
     after: DVec2,
 }
 
@@ -26,14 +27,14 @@ impl Run {
         self.along[self.along.len() - 1]
     }
 
-    /// The street (index) `s` metres along the run.
+    /// Index of the street `s` metres along the run.
     pub fn street_at(&self, s: f64) -> usize {
         let edge = self.along.partition_point(|a| *a <= s).clamp(1, self.streets.len());
         self.streets[edge - 1]
     }
 
-    /// Unit direction into the block of the line that parts two lots `s` metres along the run. `open` says that this is an
-    /// end of the run at which no lot lies yet.
+    /// Unit direction, into the block, of the line between two lots `s` metres along the run. `open` says that no lot lies at
+    /// this end of the run yet.
     pub fn ray(&self, s: f64, open: bool) -> DVec2 {
         let chord = point_at(&self.line, s + 5.0).0 - point_at(&self.line, s - 5.0).0;
         let normal = left_normal(chord.normalize_or_zero());
@@ -48,7 +49,7 @@ impl Run {
         let convex = other.dot(normal) > 0.0;
         let between = own.dot(other);
         if convex && between > -0.57 {
-            // Up to 125 degrees the corner belongs to the run that is cut first.
+            // At angles up to 125 degrees the corner belongs to the run that is cut first.
             if between > 0.0 { normal } else { other }
         } else {
             // Each run gets half of the corner.

@@ -8,11 +8,11 @@ use glam::DVec2;
 const ROUNDING: f64 = 3.0;
 
 /// The edge of the land between two neighbouring arms of a junction: two lines that run counter-clockwise around the
-/// junction, from where the first arm's own surface ends to where that of the second does.
+/// junction, from the end of the first arm's own surface to the end of the second arm's. Local metres.
 pub struct Corner {
     /// The edge of the carriageway, rounded.
     pub kerb: Vec<DVec2>,
-    /// The outer edge of the pavement; that of the carriageway where there is no pavement.
+    /// The outer edge of the pavement, or the edge of the carriageway where there is no pavement.
     pub side: Vec<DVec2>,
     /// Whether one of the two streets has a pavement.
     pub paved: bool,
@@ -26,18 +26,18 @@ pub(super) struct Edges {
     pub half: f64,
 }
 
-/// Where the edges of two neighbouring arms end at the junction: the first arm's left edge and the second one's right edge.
+/// Where the edges of two neighbouring arms end at the junction: the first arm's left edge and the second arm's right edge.
 pub(super) struct Meeting {
     /// The points between the two edges.
     pub path: Vec<DVec2>,
-    /// For each arm the first point of its edge beyond the path, as an index.
+    /// For each arm, the index of the first point of its edge beyond the path.
     pub first: [usize; 2],
-    /// For each arm the distance from the junction at which its edge begins to run undisturbed, in metres.
+    /// For each arm, the distance from the junction at which its edge begins to run undisturbed, in metres.
     pub reach: [f64; 2],
 }
 
 /// Where the left edge of an arm in unit direction `da` and the right edge of the next arm counter-clockwise, in direction
-/// `db`, end around `at`. `alone` says that the two are one and the same arm; a `kerb` is rounded.
+/// `db`, end around `at`. `alone` says that both are the same arm; a `kerb` is rounded.
 pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: bool, kerb: bool) -> Meeting {
     let (from, to) = (da.perp(), -db.perp());
     let open = alone || cross(da, db) < 0.0;
@@ -53,7 +53,7 @@ pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: 
     } else if open {
         right.extend(at, b, [db, from], 1, sector_corners(from, to, widest));
     }
-    // Outside a bend it is the narrower arm that comes out from under the other one.
+    // Outside a bend the narrower arm comes out from under the wider one.
     let crossing = if open && b.half < a.half {
         outermost_crossing(&right.points, &left.points).map(Crossing::swapped)
     } else {
@@ -66,7 +66,7 @@ pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: 
         if da.dot(db) < -0.5 {
             return direct(Vec::new());
         }
-        // So sharp that the streets part only further out.
+        // The angle is so sharp that the streets part only farther out.
         let [p, q] = [&left, &right].map(|o| o.points[o.points.len() - 1]);
         let first = [a.sides[0].len(), b.sides[1].len()];
         return Meeting { path: vec![(p + q) / 2.0], first, reach: [f64::INFINITY; 2] };
@@ -127,7 +127,7 @@ impl Outline {
         let mut outside = vec![at + from * half];
         outside.extend(corners.map(|corner| at + corner));
         outside.push(self.points[self.end]);
-        // The corners begin inside the end. From where they leave it, the outline follows them.
+        // The corners begin inside the arm's end. The outline follows them from where they leave the end.
         for k in 0..outside.len() - 1 {
             for i in 0..self.end {
                 let [a, b] = [self.points[i], self.points[i + 1]];
@@ -141,8 +141,8 @@ impl Outline {
         }
     }
 
-    /// The distance from the junction along the edge, and the point, `by` metres outwards from the point at `t` (0..=1) of a
-    /// segment, or nearly at the end of the segment. The distance is negative on the end of the arm.
+    /// The point `by` metres outwards from `t` (0..=1) on a segment, or else near the segment's end, and its distance from the
+    /// junction along the edge, in metres. The distance is negative on the end of the arm.
     fn beyond(&self, segment: usize, t: f64, by: f64) -> (f64, DVec2) {
         let (a, b) = (self.points[segment], self.points[segment + 1]);
         let along = (t + by / a.distance(b).max(1e-6)).min(t.max(0.95));
@@ -160,7 +160,7 @@ impl Outline {
         &self.points[(segment + 1).min(self.end)..self.end]
     }
 
-    /// The first point of the edge outwards of a segment, as an index.
+    /// Index of the first point of the edge outwards of a segment.
     fn first_beyond(&self, segment: usize) -> usize {
         (segment + 1).saturating_sub(self.end)
     }

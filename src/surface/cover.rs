@@ -13,11 +13,11 @@ use crate::surface::offset::{end_normals, mitre, sector_corners};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
-/// How far consecutive polygons along a street overlap, in metres: rounding must not open a slit between them.
+/// Overlap of consecutive polygons along a street, in metres, so that rounding opens no slit between them.
 const LAP: f64 = 0.05;
 
-/// Counter-clockwise polygons, local metres, that together hold every point within `half_width + margin` metres of a street,
-/// for each of `streets` that is not a tunnel, and the corners outside their junctions. They overlap each other.
+/// Counter-clockwise polygons in local metres that together hold every point within `half_width + margin` metres of each of
+/// `streets`, except tunnels, and the corners outside their junctions. The polygons overlap.
 pub fn cover(streets: &[&Street], margin: f64) -> Vec<Vec<DVec2>> {
     let mut out = Vec::new();
     for street in streets.iter().filter(|s| !s.tunnel) {
@@ -72,8 +72,7 @@ struct End {
     half: f64,
 }
 
-/// Adds polygons around each junction: in gaps of more than half a turn, and around the ends of streets that are wider than
-/// another one there.
+/// Adds polygons around each junction: in gaps of more than half a turn, and around the ends of all streets but the narrowest.
 fn around_junctions(streets: &[&Street], margin: f64, out: &mut Vec<Vec<DVec2>>) {
     let mut junctions: BTreeMap<_, Vec<End>> = BTreeMap::new();
     for street in streets.iter().filter(|s| !s.tunnel) {

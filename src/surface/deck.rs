@@ -1,4 +1,4 @@
-//! Decks of bridges: what one stands on where there is no ground underfoot.
+//! Decks of bridges: the surface to stand on where there is no ground underfoot.
 
 use crate::network::{Street, StreetId};
 use crate::region::{OVERPASS_CLEARANCE, overpass_profile};
@@ -6,7 +6,7 @@ use crate::space::{Bounds, closest_on_segment, cut_line, left_normal, resample, 
 use crate::surface::junction::junction_reach;
 use glam::DVec2;
 
-/// Height of a carriageway above the drawn ground at its ends, in metres.
+/// Height of a carriageway above the drawn ground, in metres; for a bridge, at its ends.
 pub const ROAD_LIFT: f64 = 0.1;
 
 /// Distance between the points of a deck's line, in metres.
@@ -15,31 +15,30 @@ const DECK_STEP: f64 = 8.0;
 /// Height of the middle of a town's bridge above the straight line between its ends, as a share of the bridge's length.
 const HUMP_SHARE: f64 = 0.03;
 
-/// The greatest such height, in metres.
+/// Greatest height of that hump, in metres.
 const MOST_HUMP: f64 = 2.0;
 
 /// The deck of a bridge, with its height profile.
 ///
 /// A deck runs straight from the height of one end to the height of the other, in towns with a slight hump. It is higher only
-/// where the ground in between is higher, and where it passes over another street.
+/// where the ground in between is higher and where the bridge passes over another street.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deck {
     /// The bridge.
     pub street: StreetId,
-    /// Centre line, local to the chunk.
+    /// Centre line, local to the chunk, in metres.
     pub line: Vec<DVec2>,
     /// Height of the carriageway at each point of the line, in metres.
     pub heights: Vec<f64>,
-    /// Half of its width in metres.
+    /// Half of the deck's width in metres.
     pub half_width: f64,
     /// Points where the bridge passes over other streets: no pier stands near them.
     pub crossings: Vec<DVec2>,
 }
 
 impl Deck {
-    /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` is the height that the deck
-    /// stays above at a local point: that of the drawn ground or of water. `below` are the streets that the bridge may pass
-    /// over.
+    /// The deck of a bridge between the parts that belong to the junctions at its ends. `floor` gives the height at a local
+    /// point that the deck stays above, such as the drawn ground. `below` are the streets that the bridge may pass over.
     pub fn new(street: &Street, below: &[Street], mut floor: impl FnMut(DVec2) -> f64) -> Self {
         let (length, end) = (street.length(), junction_reach(street));
         let line = resample(&cut_line(&street.line, end, length - end), DECK_STEP);
@@ -79,7 +78,7 @@ impl Deck {
         Self { street: street.id, line, heights, half_width, crossings }
     }
 
-    /// Height of the deck at a local point, if the point lies on it.
+    /// Height of the deck at a local point in metres, if the point lies on the deck.
     pub fn height(&self, p: DVec2) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
         for (line, heights) in self.line.windows(2).zip(self.heights.windows(2)) {

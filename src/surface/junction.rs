@@ -6,8 +6,8 @@ use crate::surface::corner::{Corner, Edges, Meeting, meet};
 use crate::surface::offset::offset_line;
 use glam::DVec2;
 
-/// Length of a street at each of its ends, in metres, that belongs to the junction there: it lies on the ground, and a
-/// bridge's deck begins behind it.
+/// Length of the part of a street, at each of its ends, that belongs to the junction there, in metres. This part lies on the
+/// ground; a bridge's deck begins beyond it.
 pub fn junction_reach(street: &Street) -> f64 {
     let most = match street.bridge {
         // As wide as the widest quay.
@@ -33,15 +33,15 @@ pub struct Arm<'a> {
     /// The street.
     pub street: &'a Street,
     /// Centre line from where the arm is clear of the junction's corners, outwards to the end of the junction's part of the
-    /// street. A single point, or none, if the corners reach as far.
+    /// street. A single point, or none, if the corners reach that far.
     pub line: Vec<DVec2>,
     /// The corner between this arm and the next one counter-clockwise.
     pub corner: Corner,
 }
 
 impl<'a> JunctionShape<'a> {
-    /// The surface of a junction of streets, each given with whether it begins there. Tunnels and streets shorter than half
-    /// a metre have no surface. `None` if no street has any.
+    /// The surface of a junction. `ends` are the streets there, each with whether it begins at the junction. Tunnels and streets
+    /// shorter than half a metre have no surface. `None` if no street has a surface.
     pub fn new(junction: &Junction, ends: &[(&'a Street, bool)]) -> Option<Self> {
         let mut spokes: Vec<Spoke<'a>> = ends.iter().filter_map(|(s, begins)| Spoke::new(s, *begins)).collect();
         spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.street.id.cmp(&b.street.id)));
@@ -88,8 +88,9 @@ fn is_same(a: DVec2, b: DVec2) -> bool {
 /// The junction's part of a street.
 struct Spoke<'a> {
     street: &'a Street,
-    /// Centre line outwards, and the distance of each of its points from the junction along it.
+    /// Centre line outwards.
     line: Vec<DVec2>,
+    /// For each point of `line`, its distance from the junction along the line, in metres.
     along: Vec<f64>,
     angle: f64,
     carriageway: Edges,
@@ -155,8 +156,8 @@ impl<'a> Spoke<'a> {
         Cut { carriageway: ends(&self.carriageway), outer: ends(&self.outer), line }
     }
 
-    /// The edge of the land from this arm to the next one: from the end of the left edge over the points where both edges
-    /// meet to the end of the next arm's right edge.
+    /// The edge of the land from this arm to the next: from the end of this arm's left edge, over the points where both edges
+    /// meet, to the end of the next arm's right edge.
     fn edge_to(
         &self,
         next: &Self,

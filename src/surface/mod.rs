@@ -2,16 +2,16 @@
 //! junction ([`JunctionShape`]), the polygons that streets cover ([`cover`]), and the heights of bridges ([`Deck`]). Reads
 //! the streets and junctions that it is given, and the ground under a bridge; padding: none.
 //!
-//! `mesh` draws the outlines, and `parcel` takes blocks as what they leave, so a pavement ends where a block begins. The outlines
-//! follow from three rules:
+//! `mesh` draws the outlines, and `parcel` makes blocks of the land that they leave, so a pavement ends where a block begins. The
+//! outlines follow from three rules:
 //! - Along its centre line a street is as wide as its class says; corners of a bend are mitred.
 //! - Where two neighbouring arms of a junction are less than half a turn apart, the land between them ends where their edges
 //!   meet. The end of a wide street that goes on as narrower ones counts as half an octagon around the junction.
 //! - Where two neighbouring arms are more than half a turn apart, the surface goes around the outside of the junction in mitred
 //!   corners. A dead end is the case of a single arm and ends square.
 //!
-//! What is drawn never lies outside of [`cover`]. It falls short of it only at junctions where the end of a wide street stands
-//! out between two narrower ones, and by slivers outside of a bend between streets of different widths.
+//! The drawn surface never lies outside [`cover`]. It falls short of the cover only at junctions where the end of a wide street
+//! stands out between two narrower streets, and by slivers outside a bend between streets of different widths.
 //!
 //! A street on the ground has the height of the ground; only decks have profiles of their own.
 

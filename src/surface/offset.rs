@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// The points of `line` moved sideways by `by` metres, positive to the left. A point between two segments becomes the mitred
-/// corner of both, drawn in where the line doubles back and the corner would run away.
+/// The points of `line` moved sideways by `by` metres, positive to the left. A point between two segments becomes their mitred
+/// corner, which is limited where the line doubles back.
 pub fn offset_line(line: &[DVec2], by: f64) -> Vec<DVec2> {
     let direction = |i: usize| (line[i + 1] - line[i]).normalize_or_zero();
     let Some(last) = line.len().checked_sub(1).filter(|last| *last > 0) else { return line.to_vec() };
@@ -32,8 +32,8 @@ pub(super) fn sector_corners(from: DVec2, to: DVec2, radius: f64) -> impl Double
     corners.into_iter().flatten()
 }
 
-/// Unit normals of half an octagon around the end of a line that runs off in the unit direction `d`: from the line's left
-/// side around the end to its right side.
+/// Unit normals of half an octagon around an end of a line, which leaves the end in the unit direction `d`: from the line's
+/// left side around the end to its right side.
 pub(super) fn end_normals(d: DVec2) -> [DVec2; 5] {
     let (left, behind) = (d.perp(), -d);
     [left, (left + behind).normalize(), behind, (behind - left).normalize(), -left]

@@ -4,13 +4,12 @@ use crate::network::StreetClass;
 use crate::surface::offset::offset_line;
 use glam::DVec2;
 
-/// Edges of a street's surface along a stretch of its centre line, with one point for each point of the line.
-///
-/// Local metres; the sides are those of someone who walks along the line.
+/// Edges of a street's surface along a stretch of its centre line, in local metres, with one point for each point of the line.
+/// Left and right are seen along the line.
 pub struct Strip {
     /// Left and right edge of the carriageway.
     pub carriageway: [Vec<DVec2>; 2],
-    /// Left and right outer edge of the pavements; that of the carriageway where there are none.
+    /// Left and right outer edge of the pavements, or of the carriageway where there are no pavements.
     pub outer: [Vec<DVec2>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Random junctions: what is drawn of them is what they cover.
+//! Random junctions: the drawn surface is the covered ground.
 
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::space::math::direction;
@@ -107,7 +107,7 @@ fn two_streets_of_any_width_are_drawn_as_they_cover() {
     for case in 0..300 {
         let streets = star(&mut rng, 2, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
         let (beyond, missing) = mismatch(&streets);
-        // The corners of an octagon around the end of the wider street may stand out of the mitred corners by this much.
+        // The corners of the octagon around the end of the wider street may stand out of the mitred corners by this much.
         assert!(beyond < 0.1 && missing < 1.5, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
     }
 }
