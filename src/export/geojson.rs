@@ -4,6 +4,7 @@ use crate::export::{ExportError, Plan, hex};
 use crate::network::{JunctionId, SizeClass, StreetClass};
 use crate::parcel::BlockUse;
 use crate::space::ChunkCoord;
+use crate::world::Owned;
 use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -13,9 +14,9 @@ use geojson::{Feature, GeometryValue, Position};
 
 /// Writes a plan as a feature collection whose `bbox` is the square that was asked for.
 ///
-/// Every feature has `kind`, `class` and `id`; streets and roads `from` and `to`, and `level`, `bridge`, `tunnel` where
-/// they are not 0 and false; what a chunk owns, that `chunk`. The class of a junction is that of the widest street that
-/// ends there. Coordinates are exact: reading them gives the bits that were written.
+/// Every feature has `kind`, `class` and `id`. Streets and roads also have `from` and `to`, and `level`, `bridge` and `tunnel`
+/// where they are not 0 or false. A feature that a chunk owns has that `chunk`. A junction has the class of the widest street
+/// that ends there. Coordinates are exact: reading them gives the bits that were written.
 pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
     let bounds = plan.area.bounds;
     let bbox = json!([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]);
@@ -42,13 +43,13 @@ fn settlements(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
             Some(outline) => polygon(&outline.polygon, outline.origin.plan()),
             None => GeometryValue::Point { coordinates: position(centre) },
         };
-        let mut of = properties("settlement", size_name(settlement.size), settlement.id.0);
-        of.insert("name".into(), json!(settlement.name));
-        of.insert("style".into(), json!(settlement.style));
-        of.insert("sigma".into(), json!(settlement.size as u8));
-        of.insert("radius_m".into(), json!(settlement.radius));
-        of.insert("chunk".into(), json!(ChunkCoord::containing(centre, plan.chunk_size).to_string()));
-        put(feature(geometry, of))?;
+        let mut fields = properties("settlement", size_name(settlement.size), settlement.id.0);
+        fields.insert("name".into(), json!(settlement.name));
+        fields.insert("style".into(), json!(settlement.style));
+        fields.insert("sigma".into(), json!(settlement.size as u8));
+        fields.insert("radius_m".into(), json!(settlement.radius));
+        fields.insert("chunk".into(), json!(ChunkCoord::containing(centre, plan.chunk_size).to_string()));
+        put(feature(geometry, fields))?;
     }
     Ok(())
 }
@@ -63,18 +64,18 @@ fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         put(feature(polygon(&block.item.polygon, origin), owned("block", class, block.item.id, block.chunk)))?;
     }
     for lot in &plan.area.lots {
-        let mut of = owned("lot", "lot", lot.item.id, lot.chunk);
-        of.insert("block".into(), json!(hex(lot.item.block)));
-        of.insert("street".into(), json!(hex(lot.item.street.0)));
-        put(feature(polygon(&lot.item.polygon, origin), of))?;
+        let mut fields = owned("lot", "lot", lot.item.id, lot.chunk);
+        fields.insert("block".into(), json!(hex(lot.item.block)));
+        fields.insert("street".into(), json!(hex(lot.item.street.0)));
+        put(feature(polygon(&lot.item.polygon, origin), fields))?;
     }
     for building in &plan.area.footprints {
-        let mut of = owned("building", "building", building.item.id, building.chunk);
-        of.insert("lot".into(), json!(hex(building.item.lot)));
-        of.insert("storeys".into(), json!(building.item.storeys));
-        of.insert("base".into(), json!((building.item.base * 100.0).round() / 100.0));
-        of.insert("height".into(), json!((building.item.height * 100.0).round() / 100.0));
-        put(feature(polygon(&building.item.polygon, origin), of))?;
+        let mut fields = owned("building", "building", building.item.id, building.chunk);
+        fields.insert("lot".into(), json!(hex(building.item.lot)));
+        fields.insert("storeys".into(), json!(building.item.storeys));
+        fields.insert("base".into(), json!((building.item.base * 100.0).round() / 100.0));
+        fields.insert("height".into(), json!((building.item.height * 100.0).round() / 100.0));
+        put(feature(polygon(&building.item.polygon, origin), fields))?;
     }
     Ok(())
 }
@@ -82,30 +83,30 @@ fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
 fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
     let origin = plan.area.origin.plan();
     let mut widest: BTreeMap<JunctionId, StreetClass> = BTreeMap::new();
-    for street in &plan.area.streets {
-        let it = &street.item.street;
-        for end in [it.from, it.to] {
-            widest.entry(end).and_modify(|c| *c = it.class.min(*c)).or_insert(it.class);
+    for Owned { chunk, item } in &plan.area.streets {
+        let street = &item.street;
+        for end in [street.from, street.to] {
+            widest.entry(end).and_modify(|c| *c = street.class.min(*c)).or_insert(street.class);
         }
-        let kind = if it.class.is_road() { "road" } else { "street" };
-        let mut of = owned(kind, it.class.name(), it.id.0, street.chunk);
-        of.insert("from".into(), json!(hex(it.from.0)));
-        of.insert("to".into(), json!(hex(it.to.0)));
-        if it.level != 0 {
-            of.insert("level".into(), json!(it.level));
+        let kind = if street.class.is_road() { "road" } else { "street" };
+        let mut fields = owned(kind, street.class.name(), street.id.0, *chunk);
+        fields.insert("from".into(), json!(hex(street.from.0)));
+        fields.insert("to".into(), json!(hex(street.to.0)));
+        if street.level != 0 {
+            fields.insert("level".into(), json!(street.level));
         }
-        for (name, set) in [("bridge", it.bridge), ("tunnel", it.tunnel)] {
+        for (name, set) in [("bridge", street.bridge), ("tunnel", street.tunnel)] {
             if set {
-                of.insert(name.into(), json!(true));
+                fields.insert(name.into(), json!(true));
             }
         }
-        let coordinates = it.line.iter().map(|p| position(*p + origin)).collect();
-        put(feature(GeometryValue::LineString { coordinates }, of))?;
+        let coordinates = street.line.iter().map(|p| position(*p + origin)).collect();
+        put(feature(GeometryValue::LineString { coordinates }, fields))?;
     }
     for junction in &plan.area.junctions {
         let class = widest.get(&junction.item.id).copied().unwrap_or(StreetClass::Local);
-        let of = owned("junction", class.name(), junction.item.id.0, junction.chunk);
-        put(feature(GeometryValue::Point { coordinates: position(junction.item.at + origin) }, of))?;
+        let fields = owned("junction", class.name(), junction.item.id.0, junction.chunk);
+        put(feature(GeometryValue::Point { coordinates: position(junction.item.at + origin) }, fields))?;
     }
     Ok(())
 }
@@ -125,9 +126,9 @@ fn properties(kind: &str, class: &str, id: u64) -> Map<String, Value> {
 }
 
 fn owned(kind: &str, class: &str, id: u64, chunk: ChunkCoord) -> Map<String, Value> {
-    let mut of = properties(kind, class, id);
-    of.insert("chunk".into(), json!(chunk.to_string()));
-    of
+    let mut fields = properties(kind, class, id);
+    fields.insert("chunk".into(), json!(chunk.to_string()));
+    fields
 }
 
 fn feature(geometry: GeometryValue, properties: Map<String, Value>) -> Feature {
@@ -157,7 +158,7 @@ mod tests {
         let file = String::from_utf8(file).unwrap();
         let read: geojson::FeatureCollection = file.parse().unwrap();
         let street = &town.area.streets[0];
-        // Not with serde_json, whose numbers may be off by the last bit unless its `float_roundtrip` is on.
+        // The text is read, since numbers of serde_json may be off by the last bit unless its `float_roundtrip` is on.
         let id = format!("\"id\":\"{}\"", hex(street.item.street.id.0));
         let text = file.lines().find(|l| l.contains(&id)).unwrap();
         let numbers = text.split("[[").nth(1).unwrap().split("]]").next().unwrap().replace("],[", ",");

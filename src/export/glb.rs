@@ -15,9 +15,9 @@ use gltf_json as gltf;
 pub struct PlacedMesh {
     /// Name of the chunk.
     pub coord: ChunkCoord,
-    /// Its south-west corner.
+    /// South-west corner of the chunk, which positions of the meshes are local to.
     pub origin: Origin,
-    /// Its meshes.
+    /// Meshes of the chunk.
     pub mesh: ChunkMesh,
 }
 
@@ -28,7 +28,7 @@ pub struct PlacedMesh {
 /// [`ExportError::Format`] if the buffers of a mesh differ in length, or if the file would be larger than 4 GiB.
 pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportError> {
     let mut file = File::default();
-    // A material is made when it is first used: readers warn of materials without a use.
+    // A material is added when it is first used, since readers warn of unused materials.
     let mut materials = [None; ChunkPart::ALL.len()];
     for chunk in chunks {
         let mut primitives = Vec::new();
@@ -119,7 +119,7 @@ impl File {
         })
     }
 
-    /// Appends bytes, a multiple of 4 of them, and describes them.
+    /// Appends `bytes`, whose number is a multiple of 4, and describes them.
     fn accessor(
         &mut self,
         bytes: Vec<u8>,

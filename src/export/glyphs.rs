@@ -7,7 +7,7 @@ const CAP: f64 = 6.0;
 /// Space after a glyph.
 const GAP: f64 = 2.0;
 
-/// Strokes of a glyph: points as two digits (x, y up from the base line), strokes parted by commas.
+/// Strokes of a glyph, separated by commas. Each point is two digits: x, and y up from the base line.
 fn strokes(letter: char) -> &'static str {
     match letter {
         'A' => "002640,1232",
@@ -79,8 +79,8 @@ fn plain(letter: char) -> char {
     ACCENTS.iter().find(|(_, all)| all.contains(letter)).map_or(letter, |(plain, _)| *plain)
 }
 
-/// Strokes of `text` with capitals `height` tall, y up, the left end of the base line at (0, 0), and the text's width.
-/// Accents are left off; letters without strokes leave a gap.
+/// Strokes and width of `text` with capitals `height` tall. y runs up, and the left end of the base line is at (0, 0). Accents
+/// are dropped; letters without strokes leave a gap.
 pub(crate) fn write(text: &str, height: f64) -> (Vec<Vec<DVec2>>, f64) {
     let unit = height / CAP;
     let (mut lines, mut x) = (Vec::new(), 0.0);

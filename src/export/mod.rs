@@ -35,7 +35,7 @@ pub enum ExportError {
 
 /// All that the exporters of maps read.
 pub struct Plan<'a> {
-    /// What the square holds.
+    /// Everything in the square.
     pub area: &'a Area,
     /// Outline of each of `area.settlements`, in the same order.
     pub outlines: &'a [Arc<Outline>],
@@ -43,7 +43,7 @@ pub struct Plan<'a> {
     pub terrain: &'a dyn Terrain,
     /// Edge of a chunk in metres.
     pub chunk_size: i64,
-    /// Real roads to compare with, drawn under these in pictures.
+    /// Real roads to compare with, drawn under the plan's own roads in pictures.
     pub real: Option<&'a Area>,
 }
 
@@ -52,8 +52,8 @@ pub fn outlines(world: &World, area: &Area) -> Result<Vec<Arc<Outline>>, LayerEr
     area.settlements.iter().map(|s| world.settlements().outline(s)).collect()
 }
 
-/// The settlements and roads that overlap `bounds` (plan metres), without streets, blocks and buildings: what a map of
-/// a whole region shows.
+/// The settlements and roads that overlap `bounds` (plan metres), for a map of a whole region: without streets, blocks and
+/// buildings.
 pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
     let mut area = Area::empty(bounds);
     put_roads(&mut area, &world.roads().overlapping(bounds, cancel)?, world.settings().chunk_size);
@@ -67,8 +67,8 @@ pub fn region(world: &World, bounds: Bounds, cancel: &Cancel) -> Result<Area, La
     Ok(area)
 }
 
-/// The settlements and roads of a finite domain, as the exporters want them. `chunk_size` is the edge of a chunk in metres,
-/// by which files name the owners of things.
+/// The settlements and roads of a finite domain, as the exporters want them. `chunk_size` is the edge of a chunk in metres;
+/// files name the chunk that owns each thing.
 pub fn network(network: &RoadNetwork, chunk_size: i64) -> Area {
     let mut area = Area::empty(network.domain);
     put_roads(&mut area, &network.roads, chunk_size);
@@ -76,8 +76,8 @@ pub fn network(network: &RoadNetwork, chunk_size: i64) -> Area {
     area
 }
 
-/// Lines in plan metres as roads of an area, for [`Plan::real`], or to be drawn in the same way as a network. They have no
-/// junctions; ids are those of their places in the list.
+/// Lines as roads of an area, for [`Plan::real`] or for drawing like a network. The roads have no junctions; their ids follow
+/// from their places in the list.
 pub fn lines(bounds: Bounds, roads: impl IntoIterator<Item = RoadLine>, chunk_size: i64) -> Area {
     let mut area = Area::empty(bounds);
     let origin = area.origin;
@@ -99,17 +99,17 @@ pub fn lines(bounds: Bounds, roads: impl IntoIterator<Item = RoadLine>, chunk_si
 /// A road from elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoadLine {
-    /// What it is drawn as.
+    /// The class as which the road is drawn.
     pub class: StreetClass,
-    /// Whether it is carried over something.
+    /// Whether the road runs on a bridge.
     pub bridge: bool,
-    /// Whether it runs under the ground.
+    /// Whether the road runs under the ground.
     pub tunnel: bool,
     /// Two points or more, in plan metres.
     pub line: Vec<DVec2>,
 }
 
-/// Puts pieces of road and their ends into an area without any.
+/// Puts sections of road and their ends into an area without roads.
 fn put_roads(area: &mut Area, roads: &[Arc<RoadSection>], chunk_size: i64) {
     let origin = area.origin;
     let mut junctions = BTreeMap::new();
@@ -126,7 +126,7 @@ fn put_roads(area: &mut Area, roads: &[Arc<RoadSection>], chunk_size: i64) {
         .collect();
 }
 
-/// An id as written in files: 16 hexadecimal digits, for a number in JSON keeps 53 bits only.
+/// An id as written in files: 16 hexadecimal digits, because a number in JSON keeps only 53 bits.
 pub(crate) fn hex(id: u64) -> String {
     format!("{id:016x}")
 }

@@ -24,7 +24,7 @@ pub struct Options {
 /// Each street is a way with `highway`; its points are nodes, and a junction is one node that all its streets share.
 pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(), ExportError> {
     let area = plan.area;
-    // The squares' middles may be off the whole metres that positions are local to.
+    // The middle of the square may lie between whole metres, unlike the origin that positions are local to.
     let shift = area.origin.plan() - area.bounds.centre();
     let mut file = File { writer: Writer::new_with_indent(out, b' ', 1), shift, nodes: 0 };
     file.writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -37,7 +37,7 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
     let sides = sides.into_iter().chain([("maxlat", half[1].clone()), ("maxlon", half[0].clone())]);
     file.empty("bounds", &sides.collect::<Vec<_>>())?;
 
-    // The format wants all nodes before the first way.
+    // The format requires all nodes before the first way.
     let mut junctions = BTreeMap::new();
     for junction in &area.junctions {
         junctions.insert(junction.item.id, file.node(junction.item.at, &[])?);

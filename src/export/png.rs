@@ -35,8 +35,8 @@ fn drawn(plan: &Plan<'_>, style: &MapStyle) -> Result<Pixmap, ExportError> {
     Ok(pixels)
 }
 
-/// Draws any SVG without pictures as a PNG file, on white. Words in it are drawn in capitals of plain strokes, so that
-/// the result does not depend on the fonts of the machine.
+/// Draws any SVG without embedded pictures as a PNG file, on white. Words are drawn as capitals of plain strokes, so that the
+/// result does not depend on the fonts of the machine.
 pub fn from_svg(text: &str) -> Result<Vec<u8>, ExportError> {
     let text = &words_as_strokes(text)?;
     let size = tree(text)?.size().to_int_size();
@@ -62,7 +62,7 @@ fn encode(pixels: &Pixmap) -> Result<Vec<u8>, ExportError> {
 
 /// The same drawing with a path in place of every `text` element.
 fn words_as_strokes(text: &str) -> Result<String, ExportError> {
-    let unreadable = |e: &dyn std::fmt::Display| ExportError::Format(format!("the drawing is no SVG: {e}"));
+    let unreadable = |e: &dyn std::fmt::Display| ExportError::Format(format!("the drawing is not SVG: {e}"));
     let mut reader = Reader::from_str(text);
     let mut writer = Writer::new(Vec::new());
     let mut open: Option<(BTreeMap<String, String>, String)> = None;
@@ -80,7 +80,7 @@ fn words_as_strokes(text: &str) -> Result<String, ExportError> {
                 open = Some((attributes, String::new()));
             }
             (Event::Text(words), Some((_, all))) => *all += &words.xml_content(XmlVersion::Implicit1_0),
-            // References such as `&amp;`, which have no strokes.
+            // References such as `&amp;` have no strokes.
             (Event::GeneralRef(_), Some((_, all))) => all.push(' '),
             (Event::End(end), Some((attributes, words))) if end.name().as_ref() == "text" => {
                 writer.write_event(Event::Empty(strokes(attributes, words)))?;

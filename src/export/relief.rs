@@ -12,7 +12,7 @@ use resvg::tiny_skia::{IntSize, Pixmap};
 pub(crate) struct Relief {
     /// Steps along the longer side of the map.
     steps: usize,
-    /// Steps from west to east and from north to south; the last may reach over the border.
+    /// Steps from west to east and from north to south; the last step may reach over the border.
     size: [usize; 2],
     /// Length of a step in metres.
     step: f64,
@@ -20,9 +20,9 @@ pub(crate) struct Relief {
     samples: Vec<TerrainSample>,
     /// How many times steeper the land is drawn than it is.
     steeper: f64,
-    /// Height from which colours are counted, and what heights above it are scaled by.
+    /// Height at which the scale of colours begins, in metres, and the factor for heights above it.
     tinted: (f64, f64),
-    /// How far the water stands above the ground there, in metres; where steps are long, the most around that point.
+    /// Height of the water above the ground at each point, in metres; where steps are long, the greatest height around the point.
     wet: Vec<f64>,
 }
 
@@ -30,9 +30,9 @@ pub(crate) struct Relief {
 const FINE: f64 = 6.0;
 /// Greatest mean slope that is drawn.
 const STEEPEST: f64 = 0.26;
-/// Greatest height of land above the lowest that the colours of heights are made for, in metres.
+/// Greatest range of heights that the scale of colours covers unscaled, in metres.
 const TALLEST: f64 = 1_000.0;
-/// Ground further above its water than this, in metres, has no river beside it.
+/// Ground farther above its water than this, in metres, has no river beside it.
 const DRY: f64 = 4.0;
 
 impl Relief {
@@ -58,24 +58,24 @@ impl Relief {
         };
         let mut wet: Vec<f64> = samples.par_iter().enumerate().map(wet).collect();
         if parts > 1 {
-            // Evened out, and in favour of water: what is a cell wide stays joined, also across the diagonal.
+            // The limits favour water, so that a river one cell wide stays joined, also across the diagonal.
             wet.iter_mut().for_each(|w| *w = w.clamp(-1.0, 1.5));
         }
-        // From far off the same hills look flatter: what is drawn is steeper the longer the step. But where most of the land is
+        // From far off the same hills look flatter, so the land is drawn steeper with longer steps. But where most of the land is
         // steep, shades must still differ.
         let rises =
             samples.windows(2).filter(|p| p[0].depth() == 0.0).map(|p| ((p[1].height - p[0].height) / step).abs());
         let (sum, count) = rises.fold((0.0, 1.0), |(sum, count), rise| (sum + rise, count + 1.0));
         let steeper = (2.2 * pow((step / 4.0).max(0.25), 0.15)).min(STEEPEST / (sum / count));
         let mut out = Self { steps, size, step, samples, steeper, tinted: (0.0, 1.0), wet };
-        // Where mountains stand, valleys must differ from peaks.
+        // Among mountains, valleys must differ from peaks.
         if let Some((low, high)) = out.heights().filter(|(low, high)| high - low > TALLEST) {
             out.tinted = (low, TALLEST / (high - low));
         }
         out
     }
 
-    /// Rings around water, as [`Relief::rings`].
+    /// Rings around water, like [`Relief::rings`].
     pub fn shores(&self, pixels: f64) -> Vec<Vec<DVec2>> {
         self.rings_of(pixels, |i| self.wet[i])
     }
@@ -135,7 +135,7 @@ impl Relief {
         }
     }
 
-    /// The shaded land, `width` by `height` pixels, which have the form of the map.
+    /// The shaded land as `width` by `height` pixels, in the proportions of the map.
     pub fn raster(&self, [width, height]: [u32; 2]) -> Result<Pixmap, ExportError> {
         let across = self.size[0] + 1;
         let points: Vec<DVec3> =
@@ -162,8 +162,8 @@ impl Relief {
             .ok_or_else(|| ExportError::Format(format!("a picture of {width} by {height} pixels is not possible")))
     }
 
-    /// Rings around where `field` is above `level`, on a map whose longer side has `pixels`, y down. Rings that leave the map are
-    /// closed beyond it.
+    /// Rings around the land where `field` is above `level`, in pixels of a map whose longer side has `pixels`, y down. Rings
+    /// that leave the map are closed beyond it.
     pub fn rings(&self, pixels: f64, level: f64, field: impl Fn(&TerrainSample) -> f64) -> Vec<Vec<DVec2>> {
         self.rings_of(pixels, |i| field(&self.samples[i]) - level)
     }
@@ -175,7 +175,7 @@ impl Relief {
         // A rim below the level closes every ring.
         let over: Vec<f64> = (0..self.samples.len()).map(|i| if outside(i) { -1.0 } else { over(i) }).collect();
         let scale = pixels / self.steps as f64;
-        // The rim is pushed out, or closing would draw along the map's edge.
+        // The rim is pushed out, so that closed rings do not run along the map's edge.
         let place = |p: DVec2| {
             let out = |x: f64, last: usize| {
                 if x < 0.5 {
@@ -208,7 +208,7 @@ fn trace(over: &[f64], row: usize) -> Vec<Vec<DVec2>> {
         let enters = |k: usize| !high[k] && high[(k + 1) % 4];
         let joined = corner.iter().map(|k| over[*k]).sum::<f64>() > 0.0;
         for k in (0..4).filter(|k| enters(*k)) {
-            // With two of each (a saddle), the middle decides whether the high corners are joined.
+            // At a saddle, with two high and two low corners, the middle decides whether the high corners are joined.
             let to = if joined {
                 (1..4).rev().map(|d| (k + d) % 4).find(|m| leaves(*m))
             } else {

@@ -20,11 +20,11 @@ use svg::node::element::Image;
 pub struct MapStyle {
     /// Longer side in pixels (in an SVG: units of its coordinates).
     pub pixels: u32,
-    /// What colours say.
+    /// What the colours of streets show.
     pub colouring: Colouring,
-    /// Whether a map of a region explains its signs.
+    /// Whether the map has a legend of its signs.
     pub legend: bool,
-    /// What the map is of, written at its upper left; empty for nothing.
+    /// Title, written at the upper left; none if empty.
     pub title: &'static str,
 }
 
@@ -74,7 +74,7 @@ pub(super) fn relief(plan: &Plan<'_>, style: &MapStyle) -> Relief {
     Relief::new(plan.terrain, plan.area.bounds, (style.pixels as usize / 2).clamp(64, 1000))
 }
 
-/// Draws a plan; `picture` is the land that all else is drawn on.
+/// Draws a plan on `picture`, the shaded land.
 pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, picture: Option<Image>) -> Document {
     let bounds = plan.area.bounds;
     let size = DVec2::from_array(style.size(bounds).map(f64::from));

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A thing and the chunk that owns it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Owned<T> {
-    /// The chunk.
+    /// The chunk that owns the thing.
     pub chunk: ChunkCoord,
     /// The thing.
     pub item: T,
@@ -26,24 +26,24 @@ pub struct Area {
     pub bounds: Bounds,
     /// Streets and roads that overlap the box, whole; sorted by id.
     pub streets: Vec<Owned<PlacedStreet>>,
-    /// Junctions at the ends of these, wherever they lie; sorted by id.
+    /// Junctions at the ends of `streets`, wherever they lie; sorted by id.
     pub junctions: Vec<Owned<Junction>>,
     /// Blocks of the main cells that overlap the box.
     pub blocks: Vec<Owned<Block>>,
-    /// Lots of these.
+    /// Lots of `blocks`.
     pub lots: Vec<Owned<Lot>>,
-    /// Buildings of these.
+    /// Buildings on `lots`.
     pub footprints: Vec<Owned<Footprint>>,
     /// Settlements whose outline overlaps the box, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
-    /// Their outlines, each local to its settlement.
+    /// Outlines of `settlements` in the same order, each local to its settlement.
     pub outlines: Vec<Arc<Outline>>,
     /// Number of unmet ports in the main cells that overlap the box.
     pub unmet_ports: usize,
 }
 
 impl Area {
-    /// Nothing in a box (plan metres), around whose middle positions are local.
+    /// An area of `bounds` (plan metres) that holds nothing. Positions are local to the middle of the box.
     pub(crate) fn empty(bounds: Bounds) -> Self {
         Self {
             origin: Origin::at(bounds.centre()),
@@ -85,7 +85,7 @@ impl Area {
         Ok(area)
     }
 
-    /// Streets and junctions alone.
+    /// The streets and junctions of the area.
     pub fn network(&self) -> Network {
         Network {
             junctions: self.junctions.iter().map(|j| j.item).collect(),

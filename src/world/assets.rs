@@ -20,7 +20,7 @@ pub enum WorldError {
     MissingStyle {
         /// Name of the style.
         style: String,
-        /// Names of the styles there are.
+        /// Names of the styles that the assets have.
         known: String,
     },
     /// A style names a style for its fringe that the assets lack.
@@ -30,10 +30,10 @@ pub enum WorldError {
         style: String,
         /// Name of the fringe's style.
         fringe: String,
-        /// Names of the styles there are.
+        /// Names of the styles that the assets have.
         known: String,
     },
-    /// A style counts a patch that none of its sets has.
+    /// A style limits how often a patch stands that none of its sets has.
     #[error("style `{style}` counts the patch `{patch}`, which none of its patch sets has")]
     MissingPatch {
         /// Name of the style.
@@ -48,7 +48,7 @@ pub enum WorldError {
         style: String,
         /// Name of the patch set.
         set: String,
-        /// Names of the patch sets there are.
+        /// Names of the patch sets that the assets have.
         known: String,
     },
     /// An edit is outside its range.
@@ -77,10 +77,10 @@ macro_rules! bundled {
     ($($file:literal),* $(,)?) => { [$(($file, include_str!(concat!("../../assets/", $file)))),*] };
 }
 
-/// Files of assets are read up to this size, in bytes.
+/// Larger files of assets are refused, in bytes.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// The files that come with the crate.
+/// The styles that come with the crate.
 const STYLES: [(&str, &str); 8] = bundled![
     "styles/european.ron",
     "styles/grid.ron",
@@ -91,6 +91,7 @@ const STYLES: [(&str, &str); 8] = bundled![
     "styles/suburb.ron",
     "styles/village.ron",
 ];
+/// The patch sets that come with the crate.
 const PATCH_SETS: [(&str, &str); 7] = bundled![
     "patches/common.ron",
     "patches/european.ron",
@@ -111,7 +112,11 @@ impl WorldAssets {
         out
     }
 
-    /// The `*.ron` files under `styles/` and `patches/` in a folder.
+    /// Reads the `*.ron` files under `styles/` and `patches/` in a folder.
+    ///
+    /// # Errors
+    ///
+    /// If either folder or a file in it cannot be read, or if a file has a mistake: then with line and column.
     pub fn from_dir(dir: &Path) -> Result<Self, FileError> {
         let mut out = Self::default();
         for folder in ["styles", "patches"] {
@@ -130,8 +135,8 @@ impl WorldAssets {
         Ok(out)
     }
 
-    /// Reads a style or a patch set, whichever the file's folder (`styles` or `patches`) says, and puts it in the place of
-    /// one with the same name. On an error nothing changes.
+    /// Reads the text of a style if `file` lies in a folder `styles`, otherwise of a patch set. It replaces a style or set of the
+    /// same name. On an error, which has line and column, nothing changes.
     pub fn add(&mut self, file: &str, text: &str) -> Result<(), FileError> {
         let folder = Path::new(file).parent().and_then(Path::file_name);
         if folder.is_some_and(|f| f == "styles") {
@@ -144,7 +149,7 @@ impl WorldAssets {
         Ok(())
     }
 
-    /// Checks that everything that is named is there, and that the tags of every style leave it patches.
+    /// Checks that all named styles, patch sets and patches exist, and that the tags of every style leave it patches.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), WorldError> {
         fn names<T>(map: &BTreeMap<String, T>) -> String {
             map.keys().cloned().collect::<Vec<_>>().join(", ")

@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// An endless world, a pure function of its [`WorldSource`]. Cheap to clone; clones share their caches.
 ///
+/// Methods with a [`Cancel`] fail with [`LayerError::Cancelled`] once it is set. Their other errors are defects of a layer.
+///
 /// ```
 /// use bevy_sprawl::{layer::Cancel, space::{ChunkCoord, Seed}, world::{World, WorldSource}};
 ///
@@ -43,23 +45,26 @@ struct Inner {
 pub struct NearestStreet {
     /// The street, local to `origin`.
     pub street: Street,
-    /// Origin of its line.
+    /// The origin that the street is local to.
     pub origin: Origin,
-    /// Nearest point of its centre line, in plan metres.
+    /// Nearest point of the street's centre line, in plan metres.
     pub at: DVec2,
-    /// Distance to that point in metres.
+    /// Distance to `at` in metres.
     pub distance: f64,
 }
 
 impl World {
-    /// The world of a source. Fails on settings and edits outside their ranges, and when a style, a patch set or a patch that
-    /// is named is missing from the assets. Edits that this world cannot fulfil are left out: see [`World::rejected_edits`].
+    /// The world of a source. It leaves out edits that it cannot fulfil: see [`World::rejected_edits`].
+    ///
+    /// # Errors
+    ///
+    /// If settings or edits are outside their ranges, or a named style, patch set or patch is missing from the assets.
     pub fn new(source: WorldSource) -> Result<Self, WorldError> {
         Self::make(source, None)
     }
 
-    /// The world of another source, made as [`World::new`] makes it. Where both worlds have the same settlements and roads, as
-    /// after a change of styles, patch sets and pinned patches, it takes over those that this one has found already.
+    /// The world of another source, as [`World::new`] makes it. If both worlds have the same settlements and roads, as after a
+    /// change of styles, patch sets and pinned patches, the new world takes over the ones that this world has found.
     pub fn remade(&self, source: WorldSource) -> Result<Self, WorldError> {
         Self::make(source, Some(self))
     }
@@ -106,28 +111,28 @@ impl World {
         Ok(Self { inner: Arc::new(Inner { source, stack, chunks }) })
     }
 
-    /// What it was made from.
+    /// The inputs of the world.
     pub fn source(&self) -> &WorldSource {
         &self.inner.source
     }
 
-    /// Settings it was made with.
+    /// The settings of the generator.
     pub fn settings(&self) -> &Settings {
         &self.inner.source.settings
     }
 
-    /// Styles and patch sets it was made with.
+    /// The styles and patch sets.
     pub fn assets(&self) -> &WorldAssets {
         &self.inner.source.assets
     }
 
-    /// Edits it was made with.
+    /// The edits, fulfilled or not.
     pub fn edits(&self) -> &Edits {
         &self.inner.source.edits
     }
 
-    /// The edits that cannot be in this world, and why; it is the world without them. Makes the roads that edits want, and
-    /// the main cells that patches are pinned in.
+    /// The edits that the world cannot fulfil and leaves out, each with the reason. To find out, this makes the roads that
+    /// edits concern and the main cells in which patches are pinned.
     pub fn rejected_edits(&self, cancel: &Cancel) -> Result<Vec<RejectedEdit>, LayerError> {
         let mut out = self.settlements().rejected_edits().to_vec();
         out.extend(self.roads().rejected_edits(cancel)?);
@@ -135,7 +140,7 @@ impl World {
         Ok(out)
     }
 
-    /// The seed it was made with.
+    /// The seed.
     pub fn seed(&self) -> Seed {
         self.inner.source.seed
     }
@@ -150,12 +155,12 @@ impl World {
         self.inner.stack.terrain()
     }
 
-    /// Its settlements.
+    /// The settlements.
     pub fn settlements(&self) -> &Settlements {
         self.inner.stack.settlements()
     }
 
-    /// Its roads.
+    /// The roads between settlements.
     pub fn roads(&self) -> &Roads {
         self.inner.stack.roads()
     }
@@ -165,7 +170,7 @@ impl World {
         self.inner.stack.town(settlement, cancel)
     }
 
-    /// What a chunk owns.
+    /// What a chunk owns, and the ground under it.
     pub fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
         let inner = &*self.inner;
         inner.chunks.get(&coord, || chunk::assemble(&inner.stack, coord, inner.source.settings.chunk_size, cancel))
@@ -176,7 +181,7 @@ impl World {
         mesh::build(&*self.chunk(coord, cancel)?, &**self.terrain(), detail, cancel)
     }
 
-    /// Everything that overlaps a box (plan metres), streets whole and with both their junctions.
+    /// Everything that overlaps a box (plan metres). Streets are whole and have the junctions at both ends.
     pub fn area(&self, bounds: Bounds, cancel: &Cancel) -> Result<Area, LayerError> {
         Area::gather(&self.inner.stack, bounds, self.inner.source.settings.chunk_size, cancel)
     }
@@ -234,19 +239,19 @@ impl World {
         Ok(best)
     }
 
-    /// The shortest way along streets between two plan points, looking at streets within `margin` metres of the box around
-    /// both. `None` when no street is that near, or none leads there within the box.
+    /// The shortest way along streets between two plan points. Only streets within `margin` metres of the box around both points
+    /// are used. `None` when no street is that near to a point, or no way leads there.
     pub fn route(&self, from: DVec2, to: DVec2, margin: f64, cancel: &Cancel) -> Result<Option<Route>, LayerError> {
         Route::find(&self.inner.stack, from, to, margin, cancel)
     }
 
-    /// Forgets every chunk and filled main cell; towns and roads stay. They are made again, the same, when asked for.
+    /// Forgets every chunk and filled main cell; towns and roads stay. Forgotten things are made again, the same, when asked for.
     pub fn forget_chunks(&self) {
         self.inner.chunks.clear();
         self.inner.stack.forget_cells();
     }
 
-    /// Bytes that the caches hold now: towns with streets and parcels, and chunks.
+    /// Bytes that the caches of towns, streets, parcels and chunks hold now.
     pub fn cached_bytes(&self) -> u64 {
         self.inner.stack.bytes() + self.inner.chunks.bytes()
     }

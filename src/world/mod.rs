@@ -1,5 +1,5 @@
 //! Layer 12: the face of layers 1 to 11. A [`World`] is made from a [`WorldSource`], the five inputs, and gives chunks, meshes
-//! and answers. What changes when an input changes is found here, too.
+//! and answers. This layer also finds what changes when an input changes.
 
 mod area;
 mod assets;

@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 /// A way along streets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route {
-    /// Points along the centre lines, in plan metres; the first and last are the street points nearest to what was asked.
+    /// Points along the centre lines, in plan metres. The first and last are the points of streets nearest to the wanted ends.
     pub points: Vec<DVec2>,
-    /// Streets in order.
+    /// The streets of the way, in order.
     pub streets: Vec<StreetId>,
     /// Length in metres.
     pub length: f64,
@@ -40,11 +40,11 @@ impl Route {
         let origin = Origin::at(from);
         let streets: Vec<_> = overlap.streets.iter().map(|f| f.item.street.moved(f.origin.offset_to(origin))).collect();
         let nearest = |p: DVec2| {
-            let of = streets.iter().enumerate().map(|(i, s)| {
+            let stops = streets.iter().enumerate().map(|(i, s)| {
                 let (along, at) = closest_on_line(p, &s.line);
                 (at.distance(p), Stop { street: i, along })
             });
-            of.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(d, _)| *d <= margin).map(|(_, stop)| stop)
+            stops.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(d, _)| *d <= margin).map(|(_, stop)| stop)
         };
         let (Some(start), Some(end)) = (nearest(origin.to_local(from)), nearest(origin.to_local(to))) else {
             return Ok(None);
@@ -62,7 +62,8 @@ impl Route {
             around.entry(s.from).or_default().push(i);
             around.entry(s.to).or_default().push(i);
         }
-        // Nodes are (street, whether it is left at its last point); costs are whole millimetres, so that they add exactly.
+        // A node is a street and whether the way leaves it at its last point. Costs are whole millimetres, so that they add
+        // exactly.
         let lengths: Vec<f64> = streets.iter().map(|s| line_length(&s.line)).collect();
         let cost = |metres: f64| (metres * 1000.0).round() as u64;
         let exit = |(street, forward): (usize, bool)| {

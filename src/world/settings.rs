@@ -6,12 +6,12 @@ use crate::space::CHUNK_SIZE;
 use crate::terrain::TerrainSettings;
 use serde::{Deserialize, Serialize};
 
-/// All settings of a world. Everything has a default; a RON file names only what differs.
+/// All settings of a world. Every field has a default; a RON file names only the fields that differ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Edge of a chunk in metres: a multiple of 64.
+    /// Edge of a chunk in metres: a multiple of 64, from 64 to 4096.
     pub chunk_size: i64,
     /// The ground.
     pub terrain: TerrainSettings,
@@ -19,7 +19,7 @@ pub struct Settings {
     pub settlements: SettlementSettings,
     /// Roads.
     pub roads: RoadSettings,
-    /// Memory.
+    /// Memory for caches.
     pub cache: CacheSettings,
 }
 
@@ -35,7 +35,7 @@ impl Default for Settings {
     }
 }
 
-/// Bounds of what is kept in memory, in MiB. They change speed, never the world.
+/// Most memory for the things that are kept, in MiB, each 8 to 65,536. The bounds change speed, never the world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
@@ -55,7 +55,11 @@ impl Default for CacheSettings {
 }
 
 impl Settings {
-    /// Reads and checks settings from RON text; `file` is only named in errors.
+    /// Reads and checks settings from RON text; `file` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// If the text is not RON, or names an unknown field or a value outside its range: with line and column.
     pub fn from_ron(file: &str, text: &str) -> Result<Self, FileError> {
         let settings: Self = from_ron(file, text)?;
         settings.check().map_err(|e| e.in_file(file, text))?;

@@ -33,19 +33,17 @@ impl WorldSource {
             terrain: TerrainSource::Noise,
         }
     }
-}
 
-impl WorldSource {
     /// Whether two sources have the same terrain, settlements and roads, with caches of the same size.
     pub(super) fn has_region_of(&self, other: &Self) -> bool {
-        let cells_aside = |e: &Edits| Edits { patches: Vec::new(), ..e.clone() };
+        let without_patches = |e: &Edits| Edits { patches: Vec::new(), ..e.clone() };
         (self.seed, &self.settings, &self.terrain) == (other.seed, &other.settings, &other.terrain)
             && self.assets.styles.keys().eq(other.assets.styles.keys())
-            && cells_aside(&self.edits) == cells_aside(&other.edits)
+            && without_patches(&self.edits) == without_patches(&other.edits)
     }
 }
 
-/// The ground of a world. Two of your own are equal if they share the `Arc`.
+/// The ground of a world. Two grounds of your own are equal if they share the `Arc`.
 #[derive(Clone, Default)]
 pub enum TerrainSource {
     /// The noise terrain of the seed and of [`Settings::terrain`].

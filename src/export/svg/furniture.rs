@@ -1,4 +1,4 @@
-//! What stands on a map besides the map: symbols, names, scale bar, legend and frame.
+//! The furniture of a map: symbols, names, scale bar, legend and frame.
 
 use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, round, trace};
 use crate::export::{Plan, glyphs};
@@ -50,12 +50,12 @@ impl Entry {
 }
 
 impl Sheet {
-    /// Pixels for one of a map of 1600.
+    /// Pixels of this map for each pixel of a map of 1600.
     fn unit(&self) -> f64 {
         self.longer / 1600.0
     }
 
-    /// A ring for each settlement that would be hardly seen at its size; villages first, so that cities lie on top.
+    /// A ring for each settlement that would hardly show at its true size. Villages come first, so that cities lie on top.
     pub(super) fn symbols(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "symbols").set("fill", "#fffdf6").set("stroke", INK);
         for size in SizeClass::ALL.into_iter().rev() {
@@ -70,7 +70,7 @@ impl Sheet {
         group
     }
 
-    /// A dot where three roads or more meet outside of settlements.
+    /// A dot where three roads or more meet outside settlements.
     pub(super) fn junctions(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "junctions").set("fill", INK);
         let mut roads: BTreeMap<JunctionId, usize> = BTreeMap::new();
@@ -86,14 +86,14 @@ impl Sheet {
         group
     }
 
-    /// Where a settlement lies on the map, and how far it or its symbol reaches.
+    /// The place of a settlement on the map, and the radius that it or its symbol takes up, in pixels.
     fn disc(&self, plan: &Plan<'_>, settlement: &Settlement) -> (DVec2, f64) {
         let centre = self.place(plan.area.origin.to_local(settlement.centre.plan()));
         (centre, (settlement.radius * self.scale).max(symbol(settlement.size) * self.unit()))
     }
 
-    /// Names of settlements, the largest first, clear of symbols and of what is `taken`; on a map of a region clear of
-    /// roads too, if one side of the settlement is. One that would lie on another is left out.
+    /// Names of settlements, the largest first, clear of symbols and of the boxes `taken`; on a map of a region also clear of
+    /// roads, if a side of the settlement is. A name that would lie on another is left out.
     pub(super) fn names(&self, plan: &Plan<'_>, mut taken: Vec<Bounds>) -> Group {
         let mut group = Group::new().set("id", "names");
         let mut settlements: Vec<_> = plan.area.settlements.iter().collect();
@@ -127,7 +127,7 @@ impl Sheet {
                 let other = |(k, d): (usize, &Bounds)| k != i && d.overlaps(own);
                 sheet.encloses(own) && !taken.iter().any(|t| t.overlaps(own)) && !discs.iter().enumerate().any(other)
             };
-            // In the middle of a town that holds it, above one that does not; or on another side of it.
+            // A name stands in the middle of a settlement that is wide enough, otherwise above it or on another side.
             let (up, side) = (radius + height, radius + half.x + 0.7 * height);
             let mut sides = vec![DVec2::ZERO];
             if width >= radius {
@@ -154,8 +154,8 @@ impl Sheet {
         group
     }
 
-    /// A bar of a round length at the lower left, what colours of streets mean above it where they say what made them, and a
-    /// frame.
+    /// A scale bar of a round length at the lower left, above it the meaning of colours that show the origin of streets, and a
+    /// frame around the map.
     pub(super) fn scale_bar(&self) -> Group {
         let unit = self.unit();
         let metres = nice((self.size.x / self.scale / 6.0).max(1.0));
@@ -172,7 +172,7 @@ impl Sheet {
         let label = if metres >= 1000.0 { format!("{} km", metres / 1000.0) } else { format!("{metres} m") };
         group = group.add(self.write(&label, from + DVec2::new(0.0, -16.0 * unit), 13.0));
         if self.colouring == Colouring::Origin {
-            // What is only on real maps needs no words there.
+            // The last origin occurs only on real maps and needs no entry.
             let entries = ORIGINS[..4].iter().copied().chain([("building", BUILDINGS[1].2)]);
             let entries: Vec<_> = entries.collect();
             let size = DVec2::new(210.0, 26.0 * entries.len() as f64 + 18.0) * unit;
@@ -188,7 +188,7 @@ impl Sheet {
         group.add(frame.set("stroke", "#5f574c").set("stroke-width", 2.0 * unit))
     }
 
-    /// Where the scale bar stands.
+    /// The box that the scale bar takes up.
     pub(super) fn scale_box(&self) -> Bounds {
         Bounds::new(DVec2::new(0.0, 0.9) * self.size, DVec2::new(0.25, 1.0) * self.size)
     }
@@ -198,7 +198,7 @@ impl Sheet {
         lettering(text, &lines, at, height * self.unit())
     }
 
-    /// What the map is of, at its upper left.
+    /// The title at the upper left, and the box around it.
     pub(super) fn title(&self, text: &str) -> (Group, Bounds) {
         let unit = self.unit();
         let (_, width) = glyphs::write(&text.to_uppercase(), 22.0 * unit);
@@ -213,7 +213,7 @@ impl Sheet {
         card.set("stroke", "#5f574c").set("stroke-width", self.unit())
     }
 
-    /// The signs that the map has, in the corner where the least lies; and the box around them.
+    /// The legend of the map's signs, in the emptiest corner, and the box around it.
     pub(super) fn legend(&self, plan: &Plan<'_>, water: bool, wood: bool, taken: &[Bounds]) -> (Group, Bounds) {
         let entries = self.entries(plan, water, wood);
         let unit = self.unit();
@@ -306,13 +306,14 @@ impl Sheet {
         }
     }
 
-    /// Real roads, a pale band that ours lie on.
-    pub(super) fn real(&self, area: &crate::world::Area, here: DVec2) -> Group {
+    /// Real roads, as a pale band under the plan's own roads.
+    pub(super) fn real(&self, area: &crate::world::Area, offset: DVec2) -> Group {
         let group = Group::new().set("id", "real").set("fill", "none").set("stroke-linejoin", "round");
         let classes = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway];
         classes.into_iter().fold(group, |group, class| {
-            let of = area.streets.iter().map(|s| &s.item.street).filter(|s| s.class == class);
-            let lines: Vec<Vec<DVec2>> = of.map(|s| s.line.iter().map(|p| self.place(*p + here)).collect()).collect();
+            let roads = area.streets.iter().map(|s| &s.item.street).filter(|s| s.class == class);
+            let lines: Vec<Vec<DVec2>> =
+                roads.map(|s| s.line.iter().map(|p| self.place(*p + offset)).collect()).collect();
             draw(group, &lines, self.real_pen(class), 0.55)
         })
     }
@@ -336,10 +337,10 @@ fn draw(group: Group, lines: &[Vec<DVec2>], pen: Pen, opacity: f64) -> Group {
     })
 }
 
-/// Whether a segment comes into a box.
+/// Whether a segment comes into a box, except that a segment may pass near a corner unnoticed.
 fn touches(bounds: Bounds, a: DVec2, b: DVec2) -> bool {
     let (centre, half) = (bounds.centre(), bounds.size() / 2.0);
-    // Boxes of words are flat: with their sides scaled alike, what is near the middle is inside.
+    // Boxes of words are flat, so they are scaled to a square: the point nearest to the middle then decides.
     let [a, b] = [a, b].map(|p| (p - centre) / half);
     let (_, near) = closest_on_segment(DVec2::ZERO, a, b);
     near.abs().max_element() <= 1.0

@@ -1,4 +1,4 @@
-//! What lies on the ground of a map: contours and water, parcels and buildings, streets.
+//! The layers of a map: contours and water, parcels and buildings, streets.
 
 use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, trace};
 use crate::export::relief::Relief;
@@ -50,8 +50,8 @@ impl Sheet {
             groups.push(fill(rings, "towns", "#dcc3a6", Some("#8d6f4f")).set("fill-opacity", 0.85));
         }
         for (land_use, id, colour) in [(BlockUse::Built, "blocks", "#ece6da"), (BlockUse::Park, "parks", "#bfdca6")] {
-            let of = area.blocks.iter().filter(|b| b.item.land_use == land_use);
-            groups.push(fill(of.map(|b| self.placed(&b.item.polygon)), id, colour, None));
+            let blocks = area.blocks.iter().filter(|b| b.item.land_use == land_use);
+            groups.push(fill(blocks.map(|b| self.placed(&b.item.polygon)), id, colour, None));
         }
         if self.scale > 0.25 {
             let lots = area.lots.iter().map(|l| self.placed(&l.item.polygon));
@@ -67,18 +67,17 @@ impl Sheet {
             });
             groups.push(fill(shadows, "shadows", "#5b5348", None).set("fill-opacity", 0.3));
             for (from, to, colour) in BUILDINGS {
-                let of = buildings().filter(|b| (from..to).contains(&b.item.storeys));
+                let alike = buildings().filter(|b| (from..to).contains(&b.item.storeys));
                 let edge = (self.scale > 0.3).then_some("#8f7a64");
                 let thin = (0.15 * self.scale).clamp(0.2, 1.0);
-                groups.push(
-                    fill(of.map(|b| self.placed(&b.item.polygon)), "buildings", colour, edge).set("stroke-width", thin),
-                );
+                let outlines = alike.map(|b| self.placed(&b.item.polygon));
+                groups.push(fill(outlines, "buildings", colour, edge).set("stroke-width", thin));
             }
         }
         groups
     }
 
-    /// Streets from the lowest level up; in a level all casings lie under all carriageways, so that these join.
+    /// Streets from the lowest level up. Within a level all casings lie under all carriageways, so that carriageways join.
     pub(super) fn streets(&self, plan: &Plan<'_>) -> Group {
         let mut group = Group::new().set("id", "streets").set("fill", "none").set("stroke-linejoin", "round");
         let streets = || plan.area.streets.iter().map(|s| &s.item);
@@ -88,16 +87,16 @@ impl Sheet {
             for layer in [Layer::Pavement, Layer::Casing, Layer::Carriageway] {
                 for class in narrowest_first() {
                     for tunnel in [true, false] {
-                        let of = here().filter(|s| s.street.class == class && s.street.tunnel == tunnel);
+                        let alike = here().filter(|s| s.street.class == class && s.street.tunnel == tunnel);
                         let Some(pen) = self.pen(class, layer, tunnel) else { continue };
                         let bridge = self.bridge_pen(pen);
-                        let (over, plain): (Vec<_>, Vec<_>) =
-                            of.partition(|s| s.street.bridge && layer == Layer::Casing);
-                        group = self.stroke(group, over.into_iter().map(|s| &s.street), bridge);
+                        let (bridges, plain): (Vec<_>, Vec<_>) =
+                            alike.partition(|s| s.street.bridge && layer == Layer::Casing);
+                        group = self.stroke(group, bridges.into_iter().map(|s| &s.street), bridge);
                         if layer == Layer::Carriageway && self.colouring == Colouring::Origin {
                             for (made_by, colour) in ORIGINS {
-                                let of = plain.iter().filter(|s| origin_name(s) == made_by);
-                                group = self.stroke(group, of.map(|s| &s.street), Pen { colour, ..pen });
+                                let made = plain.iter().filter(|s| origin_name(s) == made_by);
+                                group = self.stroke(group, made.map(|s| &s.street), Pen { colour, ..pen });
                             }
                         } else {
                             group = self.stroke(group, plain.into_iter().map(|s| &s.street), pen);

@@ -5,27 +5,28 @@ use glam::DVec2;
 use std::fmt::Write;
 use svg::node::element::{Group, Path};
 
-/// What the colour of a street says.
+/// What the colour of a street shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colouring {
-    /// Its class.
+    /// The class of the street.
     #[default]
     Class,
-    /// What made it: main street, patch, growth or repair.
+    /// What made the street: main street, patch, growth or repair.
     Origin,
 }
 
 /// Where plan points lie on the drawing.
 pub(super) struct Sheet {
-    /// Width and height in pixels, and the longer of the two.
+    /// Width and height in pixels.
     pub size: DVec2,
+    /// The longer of width and height, in pixels.
     pub longer: f64,
     /// Pixels per metre.
     pub scale: f64,
     /// North-west corner, local to the area.
     pub corner: DVec2,
     pub colouring: Colouring,
-    /// Whether settlements and roads are all there is.
+    /// Whether the map shows only settlements and roads.
     pub region: bool,
 }
 
@@ -110,7 +111,7 @@ pub(super) enum Layer {
     Carriageway,
 }
 
-/// What makes streets, and the colour for it. Local streets that nothing here made are those of a real map.
+/// The origins of streets with their colours. Local streets without an origin come from a real map.
 pub(super) const ORIGINS: [(&str, &str); 5] = [
     ("main", "#8d8779"),
     ("patch", "#3f7fbf"),
@@ -119,10 +120,10 @@ pub(super) const ORIGINS: [(&str, &str); 5] = [
     ("real local", "#ffffff"),
 ];
 
-/// The fill of buildings up to a number of storeys.
+/// Fill of buildings from the first number of storeys to below the second.
 pub(super) const BUILDINGS: [(u32, u32, &str); 3] = [(0, 3, "#d2bfa8"), (3, 6, "#c6ad93"), (6, u32::MAX, "#b59b82")];
 
-/// A number in hundredths.
+/// A number rounded to hundredths.
 pub(super) fn round(x: f64) -> f64 {
     (x * 100.0).round() / 100.0
 }
@@ -138,7 +139,7 @@ pub(in crate::export) fn trace(data: &mut String, points: &[DVec2], close: bool)
     }
 }
 
-/// Path data of many lines, some hundreds to a path: rasterizers slow down on paths with a great many edges.
+/// Path data of many lines, a few hundred in each path, since rasterizers are slow with very large paths.
 pub(super) fn paths(lines: impl Iterator<Item = Vec<DVec2>>, close: bool) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for (i, line) in lines.enumerate() {

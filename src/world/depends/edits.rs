@@ -1,4 +1,4 @@
-//! What differs between two worlds that have all but their edits in common.
+//! What differs between two worlds of which only the edits differ.
 
 use crate::edits::{Edits, PatchEdit, RoadEdit, SettlementEdit, Shape};
 use crate::edits::{Influence, WayPoint};
@@ -12,18 +12,20 @@ use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// An edit: what it looks at to know whether it can be, if it looks at anything, and what it may change.
+/// The boxes of the plan that an edit depends on and changes.
 struct Place {
+    /// The box that decides whether the edit can be fulfilled, if any does.
     looks: Option<Bounds>,
+    /// The box that the edit may change.
     changes: Bounds,
 }
 
 /// How far edits of each kind change something, in metres.
 struct Spreads<'a> {
     settings: &'a Settings,
-    /// From a settlement that comes, goes or moves, to the ends of the outlines that it changes.
+    /// Distance from a settlement that comes, goes or moves to the ends of the outlines that it changes.
     settlement: f64,
-    /// From a gate to the farthest street that depends on it.
+    /// Distance from a gate to the farthest street that depends on it.
     town: f64,
     /// Largest radius of a settlement.
     radius: f64,
@@ -37,20 +39,20 @@ impl<'a> Spreads<'a> {
         });
         let radius = pinned.fold(settings.settlements.largest_radius(), f64::max);
         let settlement = settings.settlements.change_reach(radius);
-        // A town, those that it touches, whose seams have ports from both, those that these touch, and those whose styles mix
-        // into their cells.
+        // A changed gate changes its town, the seams of the next town, the parcels of a third, which read streets across a
+        // border, and the cells of a fourth, as styles mix across a border.
         Self { settings, settlement, town: 8.0 * radius, radius }
     }
 
     fn settlement(&self, edit: &SettlementEdit) -> Place {
         let at = match edit {
             SettlementEdit::Pin { at, .. } => Bounds::of([*at]),
-            // What is moved has its centre within its radius of `from`.
+            // The settlement to move has its centre within its radius of `from`.
             SettlementEdit::Move { from, to } => Bounds::of([*from]).grown(self.radius).union(Bounds::of([*to])),
             SettlementEdit::Ban { at, radius } => Bounds::square(*at, 2.0 * radius),
         };
-        let far = self.settlement + self.settings.roads.change_reach_of_settlement() + self.town;
-        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
+        let reach = self.settlement + self.settings.roads.change_reach_of_settlement() + self.town;
+        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(reach) }
     }
 
     fn influence(&self, influence: &Influence) -> Place {
@@ -63,8 +65,8 @@ impl<'a> Spreads<'a> {
             let class = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway][tier as usize];
             influence.classes.is_empty() || influence.classes.contains(&class)
         };
-        let far = influence.radius + self.settings.roads.change_reach_of_influence(works_on) + self.town;
-        Place { looks: None, changes: Bounds::of(points.iter().copied()).grown(far) }
+        let reach = influence.radius + self.settings.roads.change_reach_of_influence(works_on) + self.town;
+        Place { looks: None, changes: Bounds::of(points.iter().copied()).grown(reach) }
     }
 
     fn way_point(&self, point: &WayPoint) -> Place {
@@ -74,17 +76,17 @@ impl<'a> Spreads<'a> {
             _ => SizeClass::Village,
         };
         let at = Bounds::of([point.at]);
-        let far = self.settings.roads.change_reach_of_way_point(size) + self.town;
-        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(far) }
+        let reach = self.settings.roads.change_reach_of_way_point(size) + self.town;
+        Place { looks: Some(at.grown(self.settlement)), changes: at.grown(reach) }
     }
 
     fn road(&self, edit: &RoadEdit) -> Place {
         let ends = Bounds::of(edit.ends());
-        // An edit whose ends are further apart than any class reaches is rejected.
+        // An edit whose ends are farther apart than roads of any class reach is rejected, so one end is enough.
         let [from, _] = edit.ends();
-        let far = self.radius + self.settings.roads.change_reach_of_road() + self.town;
+        let reach = self.radius + self.settings.roads.change_reach_of_road() + self.town;
         let looks = ends.grown(self.radius + self.settlement);
-        Place { looks: Some(looks), changes: Bounds::of([from]).grown(far) }
+        Place { looks: Some(looks), changes: Bounds::of([from]).grown(reach) }
     }
 }
 
@@ -93,7 +95,8 @@ fn patch(edit: &PatchEdit, radius: f64) -> Place {
     Place { looks: None, changes: Bounds::of([edit.at]).grown(2.0 * radius) }
 }
 
-/// Which elements of two lists are not in both, in one order; every element where those in both have another order.
+/// For each element of two lists, whether it differs. Past the common beginning and end of the lists, an element differs if the
+/// other list does not have it; all elements differ if the common ones stand in another order.
 fn differing<'a, T: PartialEq>(before: &'a [T], after: &'a [T]) -> [Vec<bool>; 2] {
     let first = before.iter().zip(after).take_while(|(a, b)| a == b).count();
     let (rest, other) = (&before[first..], &after[first..]);
@@ -113,11 +116,11 @@ fn differing<'a, T: PartialEq>(before: &'a [T], after: &'a [T]) -> [Vec<bool>; 2
     [same(first).chain(before).chain(same(last)).collect(), same(first).chain(after).chain(same(last)).collect()]
 }
 
-/// Boxes of the plan (metres) outside of which two worlds of the same seed, settings, assets and terrain are equal, one with the
-/// edits `before`, one with `after`. Both are taken as checked.
+/// Boxes of the plan (metres) outside of which two worlds of the same seed, settings, assets and terrain are equal: one with the
+/// edits `before`, the other with the edits `after`. Both lists must have been checked.
 ///
-/// They are bounds of all that could follow: mostly roads that take another way, of all classes, and their gates in towns. What
-/// really differs is far less, and found by [`World::changed_chunks`].
+/// The boxes hold everything that could change: mostly roads of all classes that take another way, and their gates in towns.
+/// [`World::changed_chunks`] finds the far smaller part that does change.
 pub fn changed_by_edits(settings: &Settings, before: &Edits, after: &Edits) -> Vec<Bounds> {
     let spreads = Spreads::new(settings, [before, after]);
     let mut places: Vec<(bool, Place)> = Vec::new();
@@ -153,7 +156,7 @@ pub fn changed_by_edits(settings: &Settings, before: &Edits, after: &Edits) -> V
     out
 }
 
-/// Two worlds and what is known of their towns.
+/// Two worlds, and what is known about their towns.
 struct Comparison<'a> {
     worlds: [&'a World; 2],
     cancel: &'a Cancel,
@@ -162,7 +165,7 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// Whether a town is the same, and those that it touches directly or by way of `rings` others.
+    /// Whether a town is the same, and so is every town that at most `rings` steps from town to touching town reach.
     fn same_town(&mut self, s: &Arc<Settlement>, rings: usize) -> Result<bool, LayerError> {
         let [a, b] = self.worlds;
         let same = match self.same.get(&s.id) {
@@ -209,8 +212,8 @@ impl Comparison<'_> {
             return Ok(false);
         }
         for s in settlements {
-            // Parcels at a border see the streets of the town across, whose seams have ports of those that it touches, and
-            // these follow the styles of those that they touch.
+            // Parcels at a border read the streets of the town across. The seams of that town have ports from the towns that it
+            // touches, and these ports follow the styles of towns one step farther.
             if !self.same_town(&s, 3)? || !self.same_pins(&s)? {
                 return Ok(false);
             }
@@ -220,9 +223,9 @@ impl Comparison<'_> {
 }
 
 impl World {
-    /// Of some chunks, those that may differ from the same of `before`, a world of the same seed, settings, assets and terrain
-    /// with other edits. All others are equal. Chunks outside of [`changed_by_edits`] are not looked at; for the others roads,
-    /// settlements and gates of both worlds are compared, which makes the roads of this one.
+    /// The chunks among `chunks` that may differ from the same chunks of `before`, a world of the same seed, settings, assets
+    /// and terrain with other edits. All other chunks are equal. In the boxes of [`changed_by_edits`], roads, settlements and
+    /// gates of both worlds are compared, which makes the roads of this world there.
     pub fn changed_chunks(
         &self,
         before: &World,
@@ -249,12 +252,12 @@ mod tests {
 
     #[test]
     fn lists_differ_where_elements_come_go_or_change_places() {
-        let of = |a: &[u8], b: &[u8]| differing(a, b).map(|f| f.iter().map(|f| u8::from(*f)).collect::<Vec<_>>());
-        assert_eq!(of(&[1, 2, 3], &[1, 2, 3]), [vec![0; 3], vec![0; 3]]);
-        assert_eq!(of(&[1, 2, 3, 4], &[1, 3, 9, 4]), [vec![0, 1, 0, 0], vec![0, 0, 1, 0]]);
-        assert_eq!(of(&[1, 1], &[1]), [vec![0, 1], vec![0]]);
-        assert_eq!(of(&[5, 1, 2, 6], &[5, 2, 1, 6]), [vec![0, 1, 1, 0], vec![0, 1, 1, 0]]);
-        assert_eq!(of(&[], &[7]), [vec![], vec![1]]);
+        let flags = |a: &[u8], b: &[u8]| differing(a, b).map(|f| f.iter().map(|f| u8::from(*f)).collect::<Vec<_>>());
+        assert_eq!(flags(&[1, 2, 3], &[1, 2, 3]), [vec![0; 3], vec![0; 3]]);
+        assert_eq!(flags(&[1, 2, 3, 4], &[1, 3, 9, 4]), [vec![0, 1, 0, 0], vec![0, 0, 1, 0]]);
+        assert_eq!(flags(&[1, 1], &[1]), [vec![0, 1], vec![0]]);
+        assert_eq!(flags(&[5, 1, 2, 6], &[5, 2, 1, 6]), [vec![0, 1, 1, 0], vec![0, 1, 1, 0]]);
+        assert_eq!(flags(&[], &[7]), [vec![], vec![1]]);
     }
 
     #[test]
@@ -269,14 +272,14 @@ mod tests {
         };
         let edits =
             |places: &[f64]| Edits { settlements: places.iter().map(|x| pin(*x)).collect(), ..Edits::default() };
-        let of = |a: &[f64], b: &[f64]| changed_by_edits(&settings, &edits(a), &edits(b));
-        assert!(of(&[0.0, 1e6], &[0.0, 1e6]).is_empty());
-        let alone = of(&[1e6], &[0.0, 1e6]);
+        let changed = |a: &[f64], b: &[f64]| changed_by_edits(&settings, &edits(a), &edits(b));
+        assert!(changed(&[0.0, 1e6], &[0.0, 1e6]).is_empty());
+        let alone = changed(&[1e6], &[0.0, 1e6]);
         assert_eq!(alone.len(), 1);
-        let far = alone[0].max.x;
-        assert!(alone[0].contains(DVec2::ZERO) && far < 2e5);
-        assert_eq!(of(&[2.0 * far], &[0.0, 2.0 * far]).len(), 1);
-        assert_eq!(of(&[far], &[0.0, far]).len(), 2);
-        assert_eq!(of(&[far, 1.5 * far, 4.0 * far], &[0.0, far, 1.5 * far, 4.0 * far]).len(), 3);
+        let reach = alone[0].max.x;
+        assert!(alone[0].contains(DVec2::ZERO) && reach < 2e5);
+        assert_eq!(changed(&[2.0 * reach], &[0.0, 2.0 * reach]).len(), 1);
+        assert_eq!(changed(&[reach], &[0.0, reach]).len(), 2);
+        assert_eq!(changed(&[reach, 1.5 * reach, 4.0 * reach], &[0.0, reach, 1.5 * reach, 4.0 * reach]).len(), 3);
     }
 }

@@ -1,4 +1,4 @@
-//! What depends on what: which chunks stay the same when a world is made again from other inputs.
+//! What differs between the inputs of two worlds, and which loaded chunks stay the same.
 
 use crate::layer::{Cancel, LayerError};
 use crate::region::Settlement;
@@ -24,7 +24,7 @@ pub enum Difference {
     All,
 }
 
-/// What differs between the inputs of two worlds.
+/// Compares the inputs of two worlds.
 pub fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
     // The sizes of caches change how fast a world is made, not the world.
     let settings = Settings { cache: old.settings.cache.clone(), ..new.settings.clone() };
@@ -33,8 +33,8 @@ pub fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
     }
     let cache = old.settings.cache != new.settings.cache;
     let (before, assets) = (&old.assets, &new.assets);
-    // Settlements choose among the style names that the settings list, so a changed style changes no choice. A style that
-    // has come or gone counts as a change of everything: this happens while assets are written, not while a game is played.
+    // Settlements choose among the style names that the settings list, so a changed style changes no choice. A style that has
+    // come or gone counts as a change of everything: that happens while assets are written, not while a game is played.
     if !before.styles.keys().eq(assets.styles.keys()) {
         return Difference::All;
     }
@@ -48,8 +48,8 @@ pub fn difference(old: &WorldSource, new: &WorldSource) -> Difference {
     }
 }
 
-/// Names of all styles that depend on a changed style or patch set. A style depends on its patch sets, and on the style of
-/// its fringe with the patch sets of that; it does not depend on the fringe of its fringe.
+/// Names of all styles that depend on a changed style or patch set. A style depends on its own patch sets, and on the style and
+/// patch sets of its fringe, but not on the fringe of its fringe.
 fn dependent_styles(
     assets: &WorldAssets,
     mut changed: BTreeSet<String>,
@@ -66,7 +66,7 @@ fn dependent_styles(
     changed
 }
 
-/// Names whose value is not the same in both maps.
+/// Names whose values differ, or that only one of the maps has.
 fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Arc<T>>) -> BTreeSet<String> {
     let same = |x: &Arc<T>, y: &Arc<T>| Arc::ptr_eq(x, y) || x == y;
     let names = a.keys().chain(b.keys());
@@ -74,7 +74,7 @@ fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Ar
     names.filter(differs).cloned().collect()
 }
 
-/// Of the loaded chunks, those that are the same in the next world.
+/// The loaded chunks that are the same in `world`, the next world. Each of `loaded` comes with the settlements that it shows.
 ///
 /// A chunk is left out if it shows a settlement of one of `styles`, or a settlement next to one: a main street that two
 /// towns share has ports from the styles of both. With `before`, the world of other edits, a chunk is also left out if it
@@ -145,8 +145,8 @@ mod tests {
     fn towns_depend_on_the_style_of_their_fringe() {
         let bundled = WorldAssets::bundled();
         let fringed_by = |fringe: &str| {
-            let of = bundled.styles.iter().filter(|(_, s)| s.fringe.as_ref().is_some_and(|f| f.style == fringe));
-            of.map(|(name, _)| name.clone()).chain([fringe.to_owned()]).collect::<BTreeSet<_>>()
+            let styles = bundled.styles.iter().filter(|(_, s)| s.fringe.as_ref().is_some_and(|f| f.style == fringe));
+            styles.map(|(name, _)| name.clone()).chain([fringe.to_owned()]).collect::<BTreeSet<_>>()
         };
         let suburb = changed_styles(|assets| {
             let mut style = (*assets.styles["suburb"]).clone();
