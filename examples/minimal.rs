@@ -1,5 +1,5 @@
 //! The smallest program: the plugin, a camera that streams, a sun. With `-- --headless` it needs no display and ends
-//! when the first chunk is there.
+//! when the first chunk is loaded.
 use bevy::{core_pipeline::tonemapping::Tonemapping, prelude::*};
 use bevy_sprawl::prelude::*;
 

@@ -11,7 +11,7 @@ Walk through an endless world of towns.
   --headless          no window: walk through a town by itself, and leave a map, screenshots and a report
   --seconds S         length of that walk in seconds [40]
   --speed M           its speed in metres per second [fits the town]
-  --laps N            walk the same way so many times, to and fro [1]
+  --laps N            how often to walk the same way, to and fro [1]
   --screenshots DIR   where screenshots and the map go [target/walk]
   --report FILE       where the report goes [target/walk/report.json]
 
@@ -45,7 +45,7 @@ impl Default for Args {
     }
 }
 
-/// Reads the arguments. `Ok(None)` means that help is asked for.
+/// Reads the arguments; `Ok(None)` if they ask for help.
 pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, String> {
     let mut out = Args::default();
     let mut args = args.into_iter();

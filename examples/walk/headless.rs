@@ -23,9 +23,9 @@ pub const RATE: f64 = 60.0;
 pub enum Phase {
     /// Waits for the first chunk, out in the country. This measures a cold start.
     Arrive,
-    /// Searches a way through the town, in the background.
+    /// Searches for a way through the town, in the background.
     Plan,
-    /// Waits at the beginning of the way until everything around is there.
+    /// Waits at the beginning of the way until everything around is loaded.
     Wait,
     /// Walks. Only these frames are measured.
     Walk,
@@ -46,7 +46,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
             return AppExit::from_code(2);
         }
     }
-    // Without an adapter, Bevy's own messages about that say nothing new.
+    // Without an adapter, Bevy's own messages about it say nothing new.
     let filter = match draws {
         shots::Draws::Not => "warn,bevy_render=off,bevy_gizmos_render=off",
         _ => "warn,wgpu=error,bevy_render=error",
@@ -73,7 +73,7 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
         .insert_resource(Phase::Arrive)
         .insert_resource(Tour::new(&args))
         .insert_resource(shots::Shots::new(&args, draws))
-        .insert_resource(Leave(args))
+        .insert_resource(Outputs(args))
         .add_systems(PreStartup, |mut measures: ResMut<Measures>| measures.begin_frame())
         .add_systems(First, |mut measures: ResMut<Measures>| measures.begin_frame())
         .add_systems(Startup, (tour::spawn, (scene::light, shots::setup)).chain())
@@ -82,9 +82,9 @@ pub fn run(args: Args, adapter: Option<RenderCreation>, draws: shots::Draws) -> 
     app.run()
 }
 
-/// Which files are written, and where.
+/// The arguments that say where files are written.
 #[derive(Resource)]
-struct Leave(Args);
+struct Outputs(Args);
 
 fn measure(
     phase: Res<Phase>,
@@ -96,9 +96,10 @@ fn measure(
     measures.end_frame(*phase, &stats, &tour, || tour.place().is_some_and(|p| sprawl.is_ready(sprawl.to_bevy(p, 0.0))));
 }
 
+/// Writes the files and ends the app, once.
 fn leave(
     mut left: Local<bool>,
-    (phase, leave): (Res<Phase>, Res<Leave>),
+    (phase, outputs): (Res<Phase>, Res<Outputs>),
     (tour, shots): (Res<Tour>, Res<shots::Shots>),
     (measures, stats): (Res<Measures>, Res<SprawlStats>),
     sprawl: Sprawl,
@@ -107,7 +108,7 @@ fn leave(
     if *phase != Phase::Done || std::mem::replace(&mut *left, true) {
         return;
     }
-    let args = &leave.0;
+    let args = &outputs.0;
     let map = args.screenshots.join("map.svg");
     let drawn =
         sprawl.world().map(|world| map::draw(world, &tour, args.seed).and_then(|svg| Ok(std::fs::write(&map, svg)?)));

@@ -42,7 +42,7 @@ fn main() -> AppExit {
         Draws::InSoftware | Draws::WithCard => return walker::window(args, draws),
     };
     if let Some(why) = why {
-        println!("No window, since {why}: walking by myself (--help lists what can be set).");
+        println!("No window, since {why}: the walk goes by itself (--help lists its options).");
     }
     headless::run(args, adapter.map(|(creation, _)| creation), draws)
 }
@@ -52,7 +52,7 @@ fn has_display() -> bool {
     !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }
 
-/// A device to draw with, where there is an adapter: Bevy panics where there is none.
+/// A device to draw with, if there is an adapter. Bevy panics if there is none, so the panic is caught.
 fn adapter() -> Option<(RenderCreation, Draws)> {
     let settings = WgpuSettings::default();
     let backends = settings.backends?;

@@ -9,7 +9,7 @@ use bevy_sprawl::world::World;
 use std::error::Error;
 use std::fmt::Write;
 
-/// The map shows this much around the way, in metres.
+/// Width of the land that the map shows around the way, in metres.
 const MARGIN: f64 = 300.0;
 
 /// Longest edge of the picture in pixels.
@@ -96,7 +96,7 @@ fn fill(class: StreetClass) -> &'static str {
     }
 }
 
-/// Draws water and woods as squares of some metres.
+/// Draws water and woods as squares of 8 m or more.
 fn ground(svg: &mut String, world: &World, bounds: Bounds, scale: f64) -> std::fmt::Result {
     let step = (bounds.size().max_element() / 160.0).max(8.0);
     let (mut water, mut wood) = (String::new(), String::new());

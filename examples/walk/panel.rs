@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 use bevy_sprawl::prelude::*;
 
-/// Put the walker on a street near this plan point.
+/// Asks to put the walker on a street near this plan point.
 #[derive(Resource)]
 pub struct Begin(pub DVec2);
 
@@ -22,7 +22,7 @@ pub fn setup(mut commands: Commands, source: Res<SprawlSource>) {
     commands.insert_resource(Panel { seed: source.seed.0, ..default() });
 }
 
-/// Asks for a street near the wished place.
+/// Asks for a street near the wanted place.
 pub fn begin(
     mut commands: Commands,
     wish: Option<Res<Begin>>,
@@ -37,7 +37,7 @@ pub fn begin(
     commands.remove_resource::<Begin>();
 }
 
-/// The walker stands on the street and may go.
+/// Lets the walker go once it stands on the street.
 pub fn begun(_: On<Remove, StartOnStreet>, walker: Single<(&mut Walker, &Transform)>) {
     let (mut walker, transform) = walker.into_inner();
     walker.begin_at(transform);

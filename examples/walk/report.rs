@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Memory is compared from this frame on. The first screenshot, which starts the renderer, is taken before it.
+/// Memory is compared from this frame on. The first screenshot, which starts the renderer, is taken earlier.
 const MEMORY_FROM: usize = 120;
 
 /// Measures of the walk.
@@ -114,7 +114,7 @@ pub struct Report {
     pub plugin_ms_max: f64,
     pub chunks_made: u64,
     pub chunks_failed: u64,
-    /// Chunks made per second in which tasks were in flight.
+    /// Chunks made per second with tasks in flight.
     pub chunks_per_s: f64,
     /// Mean time of a task in milliseconds.
     pub chunk_ms: f64,

@@ -16,7 +16,7 @@ const HAZE: Color = Color::srgb(0.80, 0.87, 0.93);
 /// Colour of the sky overhead.
 const ZENITH: Color = Color::srgb(0.30, 0.52, 0.82);
 
-/// Haze begins at the first distance and hides everything beyond the second, about the load radius. In metres.
+/// Distances in metres: haze begins at the first, and hides everything beyond the second, which is about the load radius.
 const SIGHT: (f32, f32) = (250.0, 1_300.0);
 
 /// The direction of sunlight.
@@ -61,7 +61,7 @@ pub fn light(
         .build(),
         Transform::default().looking_to(SUN, Vec3::Y),
     ));
-    // Light from the sky opposite the sun gives shape to walls in the shade.
+    // Light from the sky opposite the sun shapes walls in the shade.
     commands.spawn((
         DirectionalLight { illuminance: 9_000.0, color: Color::srgb(0.8, 0.9, 1.0), ..default() },
         Transform::default().looking_to(Vec3::new(-SUN.x, -0.9, -SUN.z + 0.4), Vec3::Y),
@@ -86,7 +86,7 @@ pub fn keep_sky(
     }
 }
 
-/// A dome that has the colour of haze from a little over the horizon downwards.
+/// A dome with the colour of haze from a little over the horizon downwards.
 fn dome(radius: f32) -> Mesh {
     const RINGS: u32 = 12;
     const SIDES: u32 = 32;

@@ -82,7 +82,7 @@ pub fn setup(
     shots.target = Some(image);
 }
 
-/// Stands still at the chosen moments and draws one frame. Pipelines are compiled before it, so that it shows
+/// Stands still at the chosen moments and draws one frame. Pipelines are compiled before the frame, so that it shows
 /// everything.
 pub fn shoot(
     mut commands: Commands,
@@ -106,7 +106,7 @@ pub fn shoot(
         }
     }
     if *phase != Phase::Shoot || shots.waiting {
-        // The frame with the screenshot has gone to the renderer: no more are drawn.
+        // The frame with the screenshot has gone to the renderer, so no more frames are drawn.
         camera.is_active = false;
         return;
     }

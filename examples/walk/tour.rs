@@ -18,7 +18,8 @@ use std::time::Instant;
 /// Height of the eyes over the ground, in metres.
 const EYES: f32 = 1.7;
 
-/// The walker waits this long for the first ground, or for everything around, in seconds. Then it goes on regardless.
+/// The walker waits this long for the first ground, or for everything around to be loaded, in seconds. Then it goes on
+/// regardless.
 const PATIENCE: f64 = 30.0;
 
 /// The walk.
@@ -101,11 +102,11 @@ impl Tour {
     }
 }
 
-/// Puts the walker into the open country before the nearest town.
+/// Puts the walker in open country outside the nearest town.
 pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
     let anchor = StreamAnchor { start_on_street: false, ..default() };
     let mut start = tour.at;
-    // This waits for the answer, which a game should not do: there is no window yet that could freeze.
+    // This waits for the answer, which a game should not do. Here there is no window that could freeze.
     if let Ok(town) = block_on(sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0))) {
         // At the default pace, the walk leads from 500 m before the outline to 500 m behind it.
         let through = 2.0 * (town.radius + 500.0) * tour.laps;
@@ -137,7 +138,7 @@ pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: Re
     tour.planning = Some(sprawl.ask(move |world, cancel| way_through(world, &town, from, length, cancel)));
 }
 
-/// Takes the way once it has been found. Where there is none, the way is a straight line through the middle of the town.
+/// Takes the way once it has been found. If there is none, the way is a straight line through the middle of the town.
 pub fn plan(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>) {
     if *phase != Phase::Plan {
         return;
@@ -166,7 +167,7 @@ pub fn plan(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>) {
     *phase = Phase::Wait;
 }
 
-/// Waits until everything around the beginning of the way is there.
+/// Waits until everything around the beginning of the way is loaded.
 pub fn wait(
     mut phase: ResMut<Phase>,
     tour: Res<Tour>,

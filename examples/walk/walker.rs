@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_PI_2;
 /// Height of the eyes over the ground, in metres.
 const EYES: f32 = 1.7;
 
-/// The walker, whose eyes the camera is.
+/// The walker, with the camera as its eyes.
 #[derive(Component, Default)]
 pub struct Walker {
     yaw: f32,

@@ -1,5 +1,5 @@
-//! `sprawl seams`: checks that streets do not show where chunk borders are. Counts streets and junctions of many towns near
-//! the borders and away from them.
+//! `sprawl seams`: checks that chunk borders do not show in the streets. Counts streets and junctions of many towns near the
+//! borders and away from them.
 
 use crate::common::Common;
 use crate::fail::Fail;
@@ -17,11 +17,11 @@ use std::sync::Arc;
 
 /// Distance from a border, in metres, within which a place counts as near it.
 const RIM: f64 = 40.0;
-/// Distance between the points that a town's area is counted at, in metres.
+/// Distance between the points by which a town's area is counted, in metres.
 const STEP: f64 = 12.0;
 /// Edge of the squares that are searched for towns, ring by ring, in metres.
 const SEARCH: f64 = 32_000.0;
-/// Rings that are searched.
+/// Number of rings that are searched.
 const RINGS: i32 = 30;
 
 #[derive(Args)]
@@ -29,10 +29,10 @@ pub struct SeamsArgs {
     /// Square kilometres of towns to count, around the origin
     #[arg(long, value_name = "N", default_value = "200", value_parser = size)]
     pub km2: f64,
-    /// Greatest difference between what is near borders and the rest, as a share
+    /// Greatest difference between streets near borders and other streets, as a share
     #[arg(long, value_name = "SHARE", default_value = "0.03", value_parser = least_zero)]
     pub most_difference: f64,
-    /// Greatest peak of the spectrum at the chunk's edge and its harmonics, over what is around them
+    /// Greatest peak of the spectrum at the chunk's edge and its harmonics, over the spectrum around them
     #[arg(long, value_name = "RATIO", default_value = "3", value_parser = least_zero)]
     pub most_peak: f64,
 }
@@ -52,7 +52,7 @@ pub fn run(common: &Common, args: &SeamsArgs) -> Result<(), Fail> {
     let people = format!(
         "{} towns, {:.1} km2, {:.1} of it within {RIM} m of chunk borders\n\
          junctions per area there: {}\nmean length of streets: {}\nlength along the axes: {}\n\
-         spectrum at the chunk's edge, 1/2, 1/3, 1/4 of it, over what is around: x {}, y {}\n",
+         spectrum at the chunk's edge, 1/2, 1/3, 1/4 of it, over the spectrum around: x {}, y {}\n",
         towns.len(),
         near + away,
         near,
@@ -68,7 +68,7 @@ pub fn run(common: &Common, args: &SeamsArgs) -> Result<(), Fail> {
         return Ok(());
     }
     Err(Fail::World(format!(
-        "streets tell where chunk borders are: a difference of {:.1} %, a peak of {:.2}",
+        "chunk borders show in the streets: a difference of {:.1} %, a peak of {:.2}",
         report.greatest_difference() * 100.0,
         report.highest_peak()
     )))
@@ -78,7 +78,7 @@ fn empty(world: &World) -> ChunkBorderCounts {
     ChunkBorderCounts::new(world.settings().chunk_size as f64, RIM)
 }
 
-/// Settlements around the origin, ring by ring, until their outlines have an area.
+/// Settlements around the origin, ring by ring, until their outlines have the `wanted` area in square metres.
 fn towns(world: &World, wanted: f64) -> Result<Vec<Arc<Settlement>>, LayerError> {
     let mut found = Vec::new();
     let mut area = 0.0;

@@ -32,7 +32,7 @@ pub struct StatsArgs {
 pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
-    // First, while nothing of the world is made yet.
+    // Timing comes first, while nothing of the world is made yet.
     let timing = timing(&world, bounds)?;
     let area = work::area(common, &world, bounds)?;
     let mut report = figures(&area);
@@ -41,16 +41,16 @@ pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {
     work::print(common, &report, &lines(&report))
 }
 
-/// Figures of an area, of what lies in its square:
+/// Figures of the square of an area:
 ///
 /// - `street_km` is the length of centre lines within the square, roads included.
-/// - `junctions`, `dead_ends`, `degree`, `cnr` and `share_angle_below_30` are of the junctions in the square, with all
+/// - `junctions`, `dead_ends`, `degree`, `cnr` and `share_angle_below_30` concern the junctions in the square, with all
 ///   streets that end there.
-/// - `mean_street_m`, `orientation_order` and `circuity` are of the streets whose middle is in the square, whole.
+/// - `mean_street_m`, `orientation_order` and `circuity` concern the whole streets whose middle is in the square.
 /// - `components` takes streets that leave the square as joined outside it; `components_in_square` does not.
-/// - Blocks and buildings count where their centroid is in the square. `building_cover` is the area of buildings over
-///   that of blocks, parks included; `building_cover_of_square` over that of the square.
-/// - `crossings_without_junction` is of all streets that overlap the square.
+/// - Blocks and buildings count if their centroid is in the square. `building_cover` is the area of buildings over the area
+///   of blocks, parks included; `building_cover_of_square` is the area of buildings over the area of the square.
+/// - `crossings_without_junction` concerns all streets that overlap the square.
 fn figures(area: &Area) -> Map<String, Value> {
     let square = area.bounds.moved(-area.origin.plan());
     let km2 = square.size().x * square.size().y / 1e6;
@@ -115,7 +115,7 @@ fn figures(area: &Area) -> Map<String, Value> {
     }
 }
 
-/// Middle of sorted values, 0 of none.
+/// Median of sorted values; 0 without values.
 fn median(sorted: &[f64]) -> f64 {
     match sorted.len() {
         0 => 0.0,
@@ -129,7 +129,7 @@ pub fn length_inside(bounds: Bounds, a: DVec2, b: DVec2) -> f64 {
     bounds.clip_segment(a, b).map_or(0.0, |(from, to)| (to - from) * a.distance(b))
 }
 
-/// Connected components of a network: with all streets that leave the square taken as joined outside it, and without.
+/// Numbers of connected components of a network: if all streets that leave the square are joined outside it, and if none is.
 fn components(network: &Network, square: Bounds) -> (usize, usize) {
     let known: BTreeSet<JunctionId> = network.junctions.iter().map(|j| j.id).collect();
     let mut sets = DisjointSets::new();
@@ -141,7 +141,8 @@ fn components(network: &Network, square: Bounds) -> (usize, usize) {
             leaving.insert(street.from);
         }
     }
-    let mut count = |of: BTreeSet<JunctionId>| of.into_iter().map(|id| sets.find(id)).collect::<BTreeSet<_>>().len();
+    let mut count =
+        |junctions: BTreeSet<JunctionId>| junctions.into_iter().map(|id| sets.find(id)).collect::<BTreeSet<_>>().len();
     let (all, outside) = (count(touched), count(leaving));
     (all - outside.saturating_sub(1), all)
 }
@@ -186,8 +187,8 @@ fn timing(world: &World, bounds: Bounds) -> Result<Value, LayerError> {
     timed("town", start);
 
     let near = |town: usize, cell: usize| {
-        let of = &towns[town].town;
-        Bounds::of(of.cells[cell].border.iter().copied()).moved(of.origin.plan()).overlaps(bounds)
+        let plan = &towns[town].town;
+        Bounds::of(plan.cells[cell].border.iter().copied()).moved(plan.origin.plan()).overlaps(bounds)
     };
     let cells: Vec<(usize, usize)> = (0..towns.len())
         .flat_map(|t| (0..towns[t].town.cells.len()).map(move |c| (t, c)))

@@ -1,4 +1,4 @@
-//! `sprawl towns`: measures towns of every style on drawn ground, and holds them against real ones.
+//! `sprawl towns`: measures towns of every style on ground drawn from seeds, and compares them with real towns.
 
 mod bands;
 
@@ -30,11 +30,11 @@ use std::sync::Arc;
 
 /// Edge of the square in the middle of a town that is measured, in metres.
 const CENTRE: f64 = 1000.0;
-/// Towns stand at most this far from the origin along each axis, in metres.
+/// Greatest distance of a town from the origin along each axis, in metres.
 const FAR: f64 = 100_000.0;
-/// Greatest mean slope of the ground that a town is set down on.
+/// Greatest mean slope of the ground under a town (rise over run).
 const EVEN: f64 = 0.06;
-/// Places that are tried for a town.
+/// Number of places that are tried for a town.
 const TRIES: u64 = 400;
 
 /// A town that was measured.
@@ -42,10 +42,11 @@ struct Measured {
     style: usize,
     seed: u64,
     at: DVec2,
-    /// The square in its middle, and all of it.
+    /// Streets of the square in the middle of the town.
     centre: Survey,
+    /// Streets of the whole town.
     whole: Survey,
-    /// Metres of street whose middle lies in the square: main streets and roads, then local ones by patches, growth and repair.
+    /// Metres of street in the square by origin, as [`made`] gives them.
     made: [f64; 4],
     unmet_ports: usize,
 }
@@ -96,8 +97,8 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
     let mut presets = Map::new();
     let mut people = String::new();
     for (i, style) in styles.iter().enumerate() {
-        let of: Vec<&Measured> = towns.iter().filter(|t| t.style == i).collect();
-        let mut report = preset(&of, kind(style));
+        let of_style: Vec<&Measured> = towns.iter().filter(|t| t.style == i).collect();
+        let mut report = preset(&of_style, kind(style));
         report["radius_m"] = json!(radius(style));
         people += &table(style, &report);
         presets.insert(style.clone(), report);
@@ -122,10 +123,10 @@ pub fn size_of(radius: f64) -> SizeClass {
     }
 }
 
-/// A world with a town of a style pinned on even ground that is drawn from a seed.
+/// A world with a town of a style pinned on even ground, at a place drawn from a seed. `None` if no place is fit.
 fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(World, Arc<Settlement>)>, LayerError> {
     let size = size_of(radius);
-    // The ground of the seed, and no other towns yet: settings and assets are those of a world that was made already.
+    // Settings and assets make a world, since `plain` was made with them.
     let with = |edits| {
         let (settings, assets) = (plain.settings().clone(), plain.assets().clone());
         World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(seed)) }).ok()
@@ -150,7 +151,7 @@ fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(W
     Ok(None)
 }
 
-/// Whether ground around a point is dry and not steep.
+/// Whether the ground within `radius` metres of a point is dry and not steep.
 fn is_even(terrain: &dyn Terrain, at: DVec2, radius: f64) -> bool {
     let offsets =
         || (-4..=4).flat_map(|x| (-4..=4).map(move |y| DVec2::new(f64::from(x), f64::from(y)) / 4.0 * radius));
@@ -186,19 +187,20 @@ fn measured(world: &World, town: &Arc<Settlement>) -> Result<Measured, LayerErro
     })
 }
 
-/// Metres of street by what made it, of those whose middle lies in a square.
+/// Metres of street by origin: main streets and roads, then local streets by patches, growth and repair. Only streets whose
+/// middle lies in the square count.
 pub fn made(area: &Area, square: Bounds) -> [f64; 4] {
     let mut out = [0.0; 4];
     for placed in area.streets.iter().map(|s| &s.item) {
         let length = placed.street.length();
         if square.contains(point_at(&placed.street.line, length / 2.0).0) {
-            let by = match (placed.street.class, placed.made_by.as_ref().map(|made_by| &made_by.origin)) {
+            let origin = match (placed.street.class, placed.made_by.as_ref().map(|made_by| &made_by.origin)) {
                 (StreetClass::Local, Some(StreetOrigin::Piece(_))) => 1,
                 (StreetClass::Local, Some(StreetOrigin::Growth)) => 2,
                 (StreetClass::Local, Some(StreetOrigin::Repair)) => 3,
                 _ => 0,
             };
-            out[by] += length;
+            out[origin] += length;
         }
     }
     out
@@ -210,7 +212,7 @@ fn local_shares(made: &[f64; 4]) -> [f64; 3] {
     [made[1], made[2], made[3]].map(|m| m / local)
 }
 
-/// The 10th, 50th and 90th percentile of values, between neighbours where they fall there.
+/// The 10th, 50th and 90th percentile of values, interpolated between neighbouring values.
 fn percentiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
@@ -221,9 +223,9 @@ fn percentiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
     })
 }
 
-/// Where values lie against a band: out of it for the middle of them, or only for the tenth at one end.
+/// How percentiles lie against a band: `LOW` or `HIGH` if the median is out of it, otherwise which end is out, if any.
 fn verdict(p: [f64; 3], [low, _, high]: [f64; 3], digits: usize) -> &'static str {
-    // As the table shows them: nobody wants to read 0.98 of 0.98 as out.
+    // Values count as rounded in the table, where 0.98 against 0.98 must not read as out.
     let unit = (0..digits).fold(1.0, |u, _| u / 10.0);
     let (low, high) = (low - unit / 2.0, high + unit / 2.0);
     match p {
@@ -248,8 +250,8 @@ fn preset(towns: &[&Measured], kind: Kind) -> Value {
         })
     };
     let figures: Map<String, Value> = FIGURES.iter().map(|f| (f.key.to_owned(), figure(f))).collect();
-    let plain = |of: &dyn Fn(&Measured) -> f64| {
-        let p = percentiles(towns.iter().map(|t| of(t)));
+    let plain = |value: &dyn Fn(&Measured) -> f64| {
+        let p = percentiles(towns.iter().map(|t| value(t)));
         json!({ "p10": p[0], "p50": p[1], "p90": p[2] })
     };
     json!({
@@ -271,7 +273,7 @@ fn town_json(town: &Measured, style: &str) -> Value {
     })
 }
 
-/// The rows below those of the figures with a band.
+/// Figures without a band, in the rows below the figures with one.
 const OTHERS: [(&str, &str); 4] = [
     ("dead_end_share", "dead-end share"),
     ("patch_share", "local m by patches"),
@@ -319,25 +321,25 @@ fn markdown(args: &TownsArgs, report: &Value) -> String {
     let _ = write!(
         out,
         "Written by `sprawl towns --seeds {}..{} -o FILE`: one town of each style for each seed, a circle on even \
-         ground\nthat the seed draws, of which the square kilometre in the middle is measured as [OSMnx](https://\
+         ground\nthat the seed draws. The square kilometre in its middle is measured as [OSMnx](https://\
          github.com/gboeing/osmnx) does: the simplified graph,\nvertices in the square with their true degree, streets \
-         between these, area within 100 m of the streets with holes filled. Values are p10 - p50 - p90.\nReal ones are \
-         about 40 city centres of each kind, measured the same way; for suburbs and villages a few single places, the band from \
-         the least to the\ngreatest, widened by a quarter. Few streets look ordered by chance: \
-         the orientation order of villages is that of as many streets\nas a square kilometre of the real ones has. *In* is the share of towns within the real p10 to p90; *whole* is \
-         the median over whole towns.\n",
+         between them, area within 100 m of the streets with holes filled. Values are p10 - p50 - p90.\nThe real values \
+         come from about 40 city centres of each kind, measured the same way; for suburbs and villages from a few single \
+         places,\nwith a band from the least to the greatest value, widened by a quarter. Few streets look ordered by \
+         chance: the orientation order of villages\nis given for as many streets as a square kilometre of real villages \
+         has. *In* is the share of towns within the real p10 to p90; *whole* is the median over whole towns.\n",
         seeds.start, seeds.end
     );
-    for (style, of) in report["presets"].as_object().into_iter().flatten() {
+    for (style, preset) in report["presets"].as_object().into_iter().flatten() {
         let _ = write!(
             out,
             "\n## {style}\n\n{} towns with a radius of {} m; kind {}.\n\n| figure | centre | real | in | whole | |\n|---|---|---|---|---|---|\n",
-            of["towns"],
-            of["radius_m"],
-            text(&of["kind"])
+            preset["towns"],
+            preset["radius_m"],
+            text(&preset["kind"])
         );
         for figure in &FIGURES {
-            let row = &of["figures"][figure.key];
+            let row = &preset["figures"][figure.key];
             let _ = writeln!(
                 out,
                 "| {} | {} | {} | {:.0} % | {} | {} |",
@@ -350,7 +352,7 @@ fn markdown(args: &TownsArgs, report: &Value) -> String {
             );
         }
         for (key, name) in OTHERS {
-            let row = &of[key];
+            let row = &preset[key];
             let _ = writeln!(out, "| {name} | {} | | | | |", triple([&row["p10"], &row["p50"], &row["p90"]], 2));
         }
     }

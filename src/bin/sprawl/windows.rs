@@ -1,4 +1,4 @@
-//! `sprawl soak --windows`: roads of far windows, made alone and after larger windows and their neighbours.
+//! `sprawl soak --windows`: checks that roads of far windows are the same alone and after larger windows around them.
 
 use crate::common::{Common, Flag};
 use crate::fail::Fail;
@@ -17,10 +17,10 @@ use std::sync::Arc;
 const WINDOW: f64 = 3_000.0;
 /// Edge of the larger window that is made first, in metres.
 const LARGER: f64 = 9_000.0;
-/// Windows lie within so many metres of the origin, along each axis.
+/// Greatest distance of a window from the origin along each axis, in metres.
 const FAR: f64 = 1e9;
 
-/// What there is of the region in a window.
+/// The settlements and roads in a window.
 #[derive(PartialEq)]
 struct Region {
     settlements: Vec<Arc<Settlement>>,
@@ -53,7 +53,7 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let windows = work::each(common, "comparing windows", &seeds, |seed| {
-        // The settings and assets are those of a world that was made already.
+        // Settings and assets make a world, since `world` was made with them.
         let fresh = || {
             World::new(WorldSource {
                 settings: settings.clone(),
@@ -79,7 +79,7 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let mut people = String::new();
     for (seed, w) in &different {
         // Writing to a string cannot fail.
-        let _ = writeln!(people, "seed {seed}: other roads around {},{}", w.at.x, w.at.y);
+        let _ = writeln!(people, "seed {seed}: settlements or roads differ around {},{}", w.at.x, w.at.y);
     }
     let _ = writeln!(people, "{} windows, {roads} roads, {km:.0} km: {} differ", compared.len(), different.len());
     work::print(common, &report, &people)?;
@@ -89,8 +89,8 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     }
 }
 
-/// A window drawn from the seed, in a world that has made nothing else, and in one that has made a larger window around it
-/// that lies askew.
+/// Compares a window drawn from the seed in two equal worlds: `alone` has made nothing else, `after` has made a larger window
+/// around it, off its middle.
 fn compare(seed: u64, alone: &World, after: &World) -> Result<Compared, LayerError> {
     let mut stream = Seed(seed).stream("windows", &[]);
     let mut point = |far: f64| DVec2::new(stream.signed(), stream.signed()) * far;

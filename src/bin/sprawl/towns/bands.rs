@@ -56,20 +56,20 @@ pub struct Figure {
     pub name: &'static str,
     /// Digits after the point.
     pub digits: usize,
-    of: fn(&Survey) -> f64,
-    /// The 10th, 50th and 90th percentile of about 40 real centres each of the kinds grid, hybrid and organic; of suburbs
-    /// and villages, of which there are few, the least, the middle and the greatest.
+    read: fn(&Survey) -> f64,
+    /// For grid, hybrid and organic, the 10th, 50th and 90th percentile of about 40 real centres of each kind; for suburbs and
+    /// villages, which are few, the least, the middle and the greatest value.
     real: [[f64; 3]; 5],
 }
 
 /// Streets in a square kilometre of the real villages.
 const VILLAGE_STREETS: f64 = 93.0;
-/// Halves of the compass less one, of 36 bins of bearings: what is free to differ by chance.
+/// Degrees of freedom of 36 bins of bearings. A street counts in two opposite bins, which leaves 18, less one.
 const FREE: f64 = 17.0;
 /// Entropy of bearings without order less that of a grid, in nats: ln 36 - ln 4.
 const ENTROPY_SPAN: f64 = 2.197_224_577_336_22;
 
-/// The next term of what the entropy of few bearings comes out too low by, in nats times their number squared.
+/// Second term of the bias of the entropy of few bearings, in nats times the square of their number.
 const NEXT_TERM: f64 = 323.0 / 12.0;
 
 /// The orientation order that a place would have if it had as many streets as the real villages. Few streets look ordered by
@@ -86,12 +86,12 @@ fn order_of_a_square_kilometre(survey: &Survey) -> f64 {
 }
 
 impl Figure {
-    /// The figure of a town, as it is compared with those of a kind: villages are smaller than the square kilometre that
-    /// the real ones were measured in.
+    /// The figure of a town as it is compared with real towns of a kind. Villages are smaller than the square kilometre in which
+    /// real villages were measured.
     pub fn value(&self, kind: Kind, survey: &Survey) -> f64 {
         match kind {
             Kind::Village if self.key == "orientation_order" => order_of_a_square_kilometre(survey),
-            _ => (self.of)(survey),
+            _ => (self.read)(survey),
         }
     }
 
@@ -108,28 +108,28 @@ impl Figure {
     }
 }
 
-/// The figures that real towns are known by, in the order of the tables.
+/// The figures for which real towns have bands, in the order of the tables.
 #[rustfmt::skip]
 pub const FIGURES: [Figure; 9] = [
-    Figure { key: "junctions_per_km2", name: "junctions/km2", digits: 0, of: |s| s.junctions_per_km2,
+    Figure { key: "junctions_per_km2", name: "junctions/km2", digits: 0, read: |s| s.junctions_per_km2,
         real: [[53.0, 92.0, 141.0], [57.0, 97.0, 142.0], [72.0, 111.0, 164.0], [21.0, 31.0, 73.0], [51.0, 52.0, 54.0]] },
-    Figure { key: "street_km_per_km2", name: "street km/km2", digits: 1, of: |s| s.street_km_per_km2,
+    Figure { key: "street_km_per_km2", name: "street km/km2", digits: 1, read: |s| s.street_km_per_km2,
         real: [[12.5, 16.5, 22.6], [10.9, 16.0, 20.7], [12.5, 17.2, 21.7], [7.2, 9.9, 12.4], [8.3, 9.5, 10.7]] },
-    Figure { key: "cnr", name: "CNR", digits: 2, of: |s| s.cnr,
+    Figure { key: "cnr", name: "CNR", digits: 2, read: |s| s.cnr,
         real: [[0.91, 0.98, 1.0], [0.88, 0.96, 1.0], [0.81, 0.92, 0.96], [0.56, 0.77, 0.81], [0.61, 0.67, 0.73]] },
-    Figure { key: "mean_street_m", name: "mean street m", digits: 0, of: |s| s.mean_street_m,
+    Figure { key: "mean_street_m", name: "mean street m", digits: 0, read: |s| s.mean_street_m,
         real: [[72.0, 95.0, 121.0], [67.0, 85.0, 124.0], [65.0, 76.0, 95.0], [100.0, 159.0, 198.0], [90.0, 102.0, 114.0]] },
-    Figure { key: "share_4_way", name: "4-way share", digits: 2, of: |s| s.share_4_way,
+    Figure { key: "share_4_way", name: "4-way share", digits: 2, read: |s| s.share_4_way,
         real: [[0.23, 0.44, 0.74], [0.09, 0.26, 0.48], [0.08, 0.17, 0.30], [0.07, 0.10, 0.14], [0.02, 0.05, 0.07]] },
-    Figure { key: "orientation_order", name: "orientation order", digits: 2, of: |s| s.orientation_order,
+    Figure { key: "orientation_order", name: "orientation order", digits: 2, read: |s| s.orientation_order,
         real: [[0.52, 0.83, 0.97], [0.16, 0.46, 0.71], [0.09, 0.20, 0.44], [0.14, 0.22, 0.80], [0.12, 0.14, 0.15]] },
-    Figure { key: "circuity", name: "circuity", digits: 3, of: |s| s.circuity,
+    Figure { key: "circuity", name: "circuity", digits: 3, read: |s| s.circuity,
         real: [[1.003, 1.013, 1.032], [1.005, 1.023, 1.053], [1.023, 1.045, 1.084], [1.038, 1.073, 1.131],
                [1.043, 1.060, 1.076]] },
-    Figure { key: "block_median_m2", name: "median block m2", digits: 0, of: |s| s.block_median_m2,
+    Figure { key: "block_median_m2", name: "median block m2", digits: 0, read: |s| s.block_median_m2,
         real: [[4500.0, 9300.0, 16300.0], [3300.0, 6800.0, 15200.0], [2800.0, 5600.0, 8700.0],
                [11839.0, 21817.0, 26835.0], [3497.0, 11776.0, 20054.0]] },
-    Figure { key: "share_angle_below_30", name: "angles < 30°", digits: 3, of: |s| s.share_angle_below_30,
+    Figure { key: "share_angle_below_30", name: "angles < 30°", digits: 3, read: |s| s.share_angle_below_30,
         real: [[0.0, 0.05, 0.1], [0.0, 0.05, 0.1], [0.0, 0.05, 0.1], [0.0, 0.05, 0.08], [0.0, 0.05, 0.08]] },
 ];
 
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn few_streets_without_order_measure_as_many_do() {
-        // What bearings drawn at random measure.
+        // The orientation order that random bearings measure.
         for (streets, order) in [(20, 0.400), (25, 0.325), (33, 0.248), (40, 0.201), (93, 0.081)] {
             let survey = Survey { streets, orientation_order: order, ..Survey::default() };
             let value = order_of_a_square_kilometre(&survey);
