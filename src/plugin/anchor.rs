@@ -1,4 +1,4 @@
-//! What the world is streamed around.
+//! Anchors: the entities around which the world is streamed.
 
 use super::frame_time::Stopwatch;
 use super::origin::SprawlOrigin;
@@ -16,10 +16,10 @@ use glam::DVec2;
 pub struct StreamAnchor {
     /// Chunks within this distance are loaded, in metres, 0 to 50,000.
     pub load_radius: f32,
-    /// Chunks beyond this distance are unloaded, in metres, up to 50,000. It is larger than `load_radius`, so that walking
-    /// to and fro over a border does not load and unload the same chunks.
+    /// Chunks beyond this distance are unloaded, in metres, up to 50,000. It should be larger than `load_radius`, so that
+    /// walking to and fro over a border does not load and unload the same chunks; a smaller value counts as `load_radius`.
     pub unload_radius: f32,
-    /// Chunks within this distance are shown in full detail, in metres; the others in reduced detail.
+    /// Chunks within this distance are shown in full detail, in metres, up to 50,000; other chunks in reduced detail.
     pub detail_radius: f32,
     /// Whether the origin follows this anchor: see [`OriginSettings`](super::OriginSettings). Unset it for an anchor that is
     /// far from the others, such as a second view of another town.
@@ -41,12 +41,12 @@ impl Default for StreamAnchor {
     }
 }
 
-/// Asks the plugin to put an entity on a street. The place is searched in the background: a street within 150 m of the
-/// entity, otherwise the middle of the nearest town or city. The plugin then sets the entity's transform, which looks along
-/// the street, and removes this component; observe its removal to know when the entity stands there.
+/// Asks the plugin to put an entity on a street. The plugin searches in the background for a street within 150 m of the
+/// entity, otherwise in the middle of the nearest town or city. Then it sets the entity's transform, looking along the street,
+/// and removes this component; observe the removal to know when the entity stands there.
 ///
-/// An anchor that waits for its place, or whose parent does, loads no chunks. Where a game moves the entity meanwhile, the
-/// entity stays where the game has put it.
+/// An anchor that waits for its place, or whose parent does, loads no chunks. If a game moves the entity meanwhile, the entity
+/// stays where the game has put it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
@@ -63,7 +63,7 @@ impl StreamAnchor {
         Self { load_radius, unload_radius, detail_radius, ..default() }
     }
 
-    /// The radii (load, unload, detail), with values that make no sense replaced.
+    /// The radii (load, unload, detail) in metres, limited to their ranges; a radius that is not finite counts as 0.
     fn radii(&self) -> (f64, f64, f64) {
         let metres = |r: f32| if r.is_finite() { f64::from(r).clamp(0.0, 50_000.0) } else { 0.0 };
         let load = metres(self.load_radius);
@@ -83,9 +83,9 @@ pub struct AnchorMotion {
 /// An anchor in the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AnchorView {
-    /// Where it is.
+    /// The anchor's plan point.
     pub at: DVec2,
-    /// Where it will be in a moment.
+    /// The plan point that the anchor moves towards, at most half the load radius away.
     pub ahead: DVec2,
     /// The radii of [`StreamAnchor`], in metres.
     pub load: f64,
@@ -111,10 +111,10 @@ impl Plugin for AnchorPlugin {
 /// The velocity of an anchor is smoothed over this time, in seconds.
 const SMOOTHING: f64 = 0.3;
 
-/// An anchor that moves faster than this, in metres per second, has been teleported: it will not go on.
+/// An anchor that moves faster than this, in metres per second, has been teleported: its velocity counts as 0.
 const FASTEST: f64 = 2_000.0;
 
-/// Reads transforms through their parents, since global transforms are those of the last frame.
+/// Reads transforms through their parents, since global transforms still come from the last frame.
 pub(super) fn read_anchors(
     mut stopwatch: Stopwatch,
     time: Option<Res<Time>>,

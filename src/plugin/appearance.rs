@@ -10,13 +10,13 @@ use std::ops::{Index, IndexMut};
 
 pub use crate::mesh::ChunkPart;
 
-/// On the children of a chunk's entity: the part of the chunk that the child shows.
+/// Each child of a chunk's entity that shows a mesh has this component.
 impl Component for ChunkPart {
     const STORAGE_TYPE: StorageType = StorageType::Table;
     type Mutability = Mutable;
 }
 
-/// The material of a part unless a game gives another. Colours come from the vertices.
+/// The material of a part, unless a game gives another one. Colours come from the vertices.
 fn default_material(part: ChunkPart) -> StandardMaterial {
     let PartMaterial { roughness, reflectance, transparent, .. } = part.material();
     let alpha_mode = if transparent { AlphaMode::Blend } else { AlphaMode::Opaque };
@@ -31,8 +31,8 @@ fn default_material(part: ChunkPart) -> StandardMaterial {
 /// # use bevy::prelude::*;
 /// # use bevy_sprawl::prelude::*;
 ///
-/// fn brick(mut of_parts: ResMut<SprawlMaterials>, mut materials: ResMut<Assets<StandardMaterial>>) {
-///     of_parts[ChunkPart::Buildings] = materials.add(Color::srgb(0.6, 0.3, 0.2));
+/// fn brick(mut parts: ResMut<SprawlMaterials>, mut materials: ResMut<Assets<StandardMaterial>>) {
+///     parts[ChunkPart::Buildings] = materials.add(Color::srgb(0.6, 0.3, 0.2));
 /// }
 /// ```
 #[derive(Resource, Clone, Debug, Reflect)]
@@ -40,9 +40,9 @@ fn default_material(part: ChunkPart) -> StandardMaterial {
 pub struct SprawlMaterials([Handle<StandardMaterial>; ChunkPart::ALL.len()]);
 
 impl SprawlMaterials {
-    /// Materials that `of` gives for each part.
-    pub fn new(of: impl FnMut(ChunkPart) -> Handle<StandardMaterial>) -> Self {
-        Self(ChunkPart::ALL.map(of))
+    /// The materials that `material` gives for the parts.
+    pub fn new(material: impl FnMut(ChunkPart) -> Handle<StandardMaterial>) -> Self {
+        Self(ChunkPart::ALL.map(material))
     }
 }
 
@@ -90,7 +90,7 @@ fn to_mesh(buffers: MeshBuffers, keep: bool) -> Mesh {
         .with_inserted_indices(Indices::U32(buffers.indices))
 }
 
-/// The box around a mesh. It is measured here, in the task, so that Bevy need not do it on the main thread.
+/// The box around a mesh. It is computed in the task, so that Bevy need not compute it on the main thread.
 fn bounds(buffers: &MeshBuffers) -> Aabb {
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for p in &buffers.positions {
@@ -110,7 +110,7 @@ impl Plugin for AppearancePlugin {
     }
 }
 
-/// Without a renderer there are no materials.
+/// Makes the default materials, unless a game has given others. Without a renderer there are none.
 fn make_materials(
     mut commands: Commands,
     given: Option<Res<SprawlMaterials>>,

@@ -19,7 +19,7 @@ impl Component for ChunkCoord {
     type Mutability = Immutable;
 }
 
-/// How far a chunk is.
+/// Whether a chunk waits, is being made, is loaded or has failed.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Hash, Clone)]
 pub enum ChunkStatus {
@@ -30,7 +30,7 @@ pub enum ChunkStatus {
     Building,
     /// It is loaded.
     Ready,
-    /// It is loaded, and is being made again in another detail or from changed inputs. It shows its old state until then.
+    /// It is loaded and being made again, in another detail or from changed inputs. It shows its old state until then.
     Refreshing,
     /// It could not be made; [`ChunkFailed`] says why. It is tried again when it comes back into reach, and in the next
     /// world.
@@ -75,7 +75,7 @@ pub enum ChunkChange {
     Loaded,
     /// It comes from a new world: its [`ChunkData`] and its meshes have been replaced.
     Data,
-    /// Only the detail of its meshes; [`ChunkData`] has stayed.
+    /// Only the detail of its meshes has changed; [`ChunkData`] has stayed.
     Detail,
 }
 
@@ -97,7 +97,7 @@ pub struct ChunkUnloaded {
     pub entity: Entity,
     /// The name of the chunk.
     pub coord: ChunkCoord,
-    /// What the chunk was made of.
+    /// The content that the chunk had.
     pub data: ChunkData,
 }
 

@@ -17,7 +17,7 @@ pub const DIAGNOSTIC_MAIN_THREAD_MS: DiagnosticPath = DiagnosticPath::const_new(
 /// Number of chunks made since the start.
 pub const DIAGNOSTIC_CHUNKS_MADE: DiagnosticPath = DiagnosticPath::const_new("sprawl/chunks_made");
 
-/// Figures about streaming, of the last frame.
+/// Figures about streaming in the last frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct SprawlStats {
@@ -25,7 +25,7 @@ pub struct SprawlStats {
     pub chunks_loaded: usize,
     /// Number of chunks that are wanted and not loaded yet.
     pub chunks_missing: usize,
-    /// Number of tasks in flight, also those that were cancelled and have not stopped yet.
+    /// Number of tasks in flight, including cancelled tasks that have not stopped yet.
     pub tasks_in_flight: usize,
     /// Number of chunks made since the start.
     pub chunks_made: u64,
@@ -54,7 +54,7 @@ impl Plugin for DiagnosticsPlugin {
     }
 }
 
-/// Reports the frame; its own time counts to the next one.
+/// Reports the frame. The time that this takes counts towards the next frame.
 fn report(
     mut stopwatch: Stopwatch,
     (index, scheduler): (Res<ChunkIndex>, Res<Scheduler>),

@@ -1,4 +1,4 @@
-//! How much time the plugin takes of a frame.
+//! How much of a frame's time the plugin takes.
 
 use bevy::ecs::system::SystemParam;
 use bevy::platform::time::Instant;
@@ -10,7 +10,7 @@ use std::time::Duration;
 pub(super) struct FrameTime {
     /// All systems together.
     pub total: Duration,
-    /// The share of applying and removing chunks.
+    /// Applying and removing chunks alone.
     pub apply: Duration,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn measure_commands(commands: &mut Commands, queue: impl FnOnce(&mut 
     });
 }
 
-/// When the commands began that are being measured.
+/// When the application of the measured commands began.
 #[derive(Resource, Default)]
 struct CommandsStart(Option<Instant>);
 

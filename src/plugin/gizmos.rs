@@ -124,8 +124,8 @@ fn draw(
 fn ports(chunk: &Chunk) -> Vec<DVec2> {
     let ends = |local: bool| -> BTreeSet<JunctionId> {
         let streets = chunk.streets.iter().map(|s| &s.street);
-        let of = streets.filter(|s| if local { s.class == StreetClass::Local } else { s.class.is_main() });
-        of.flat_map(|s| [s.from, s.to]).collect()
+        let wanted = streets.filter(|s| if local { s.class == StreetClass::Local } else { s.class.is_main() });
+        wanted.flat_map(|s| [s.from, s.to]).collect()
     };
     let places: BTreeMap<JunctionId, DVec2> = chunk.junctions.iter().map(|j| (j.id, j.at)).collect();
     ends(true).intersection(&ends(false)).filter_map(|id| places.get(id).copied()).collect()

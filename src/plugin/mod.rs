@@ -1,17 +1,17 @@
 //! The Bevy plugin: streams the world around anchors as entities, with assets, messages, gizmos and diagnostics.
 //!
-//! The layer above [`World`](crate::world::World), from which it takes chunks and meshes. [`SprawlPlugin`] only composes
-//! the small plugins of the files beside it, each of which can be read alone:
+//! Layer 13: it takes chunks and meshes from [`World`](crate::world::World). [`SprawlPlugin`] only composes the small plugins of
+//! the files beside it, and each file can be read alone:
 //!
 //! | file | has |
 //! |---|---|
 //! | `schedule`, `frame_time` | the order of all systems, and the time they take |
-//! | `source`, `depends`, `regenerate` | the inputs of the world; making the next world when they change, and what it leaves as it is |
+//! | `source`, `regenerate` | the inputs of the world; making the next world when they change |
 //! | `assets`, `rejected_edits` | inputs from files |
-//! | `origin`, `anchor`, `shift` | coordinates, what the world is streamed around, moving the origin |
+//! | `origin`, `anchor`, `shift` | coordinates, the anchors that the world is streamed around, moving the origin |
 //! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks, their meshes and materials, how they come and go |
-//! | `queries`, `task`, `spawn_point`, `start` | what games ask the world |
-//! | `diagnostics`, `gizmos` | what is going on |
+//! | `queries`, `task`, `spawn_point`, `start` | questions of games to the world |
+//! | `diagnostics`, `gizmos` | figures and debug lines |
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -106,7 +106,7 @@ pub struct SprawlPlugin {
     pub assets: AssetOrigin,
     /// Wishes for settlements, roads and patches.
     pub edits: Edits,
-    /// A file of Bevy's asset server that the wishes come from instead. A saved file is loaded again like the files of
+    /// A file of Bevy's asset server that the wishes come from instead of `edits`. A saved file is loaded again like the files of
     /// [`AssetOrigin::Folder`]. A file with a mistake is refused ([`AssetRejected`]), and its last good version stays.
     pub edits_file: Option<String>,
     /// The ground.

@@ -54,9 +54,9 @@ impl SprawlOrigin {
 
     /// The translation of the entity of a chunk: its south-west corner at height 0.
     pub(super) fn chunk_translation(self, coord: ChunkCoord, size: i64) -> Vec3 {
-        // From integers, so that a thousand shifts of the origin add up to no error.
-        let from = coord.origin(size).0 - self.0.0;
-        Vec3::new(from.x as f32, 0.0, -from.y as f32)
+        // Integers keep the errors of many shifts of the origin from adding up.
+        let offset = coord.origin(size).0 - self.0.0;
+        Vec3::new(offset.x as f32, 0.0, -offset.y as f32)
     }
 }
 

@@ -35,19 +35,18 @@ pub struct Sprawl<'w, 's> {
     chunks: Query<'w, 's, (&'static ChunkStatus, Option<&'static ChunkData>)>,
 }
 
-/// A walker steps up this far onto a bridge, in metres.
+/// Greatest step up onto a bridge, in metres.
 const STEP: f64 = 0.5;
 
-/// A street reaches at most this far beyond the chunk that owns it, in metres; longer ones are found only from near that
-/// chunk.
+/// Streets reach at most this far beyond the chunk that owns them, in metres; a longer street is found only near that chunk.
 const LONGEST_REACH: f64 = 1_000.0;
 
-/// A route is searched within this distance of the box around its ends, in metres.
+/// A route uses streets within this distance of the box around its ends, in metres.
 const ROUTE_MARGIN: f64 = 500.0;
 
 impl Sprawl<'_, '_> {
-    /// The generator. `None` until there is a world. It makes what it is asked for on the calling thread, which may take
-    /// seconds: call it from a task, or use [`Sprawl::ask`].
+    /// The generator. `None` until there is a world. It works on the calling thread, which may take seconds: call it from a
+    /// task, or use [`Sprawl::ask`].
     pub fn world(&self) -> Option<&World> {
         self.world.get()
     }
@@ -71,7 +70,7 @@ impl Sprawl<'_, '_> {
         SprawlTask::new(self.world(), question)
     }
 
-    /// The origin: what converts between plan points and Bevy points.
+    /// The origin, which converts between plan points and Bevy points.
     pub fn origin(&self) -> SprawlOrigin {
         *self.origin
     }
@@ -86,15 +85,15 @@ impl Sprawl<'_, '_> {
         self.origin.to_bevy(p, height)
     }
 
-    /// The Bevy point on the ground at a plan point. Where the chunk is loaded, it lies on the highest bridge deck there.
-    /// `None` until there is a world, and outside of it.
+    /// The Bevy point on the ground at a plan point, or on the highest bridge deck there if the chunk is loaded. `None` until
+    /// there is a world, and outside of it.
     pub fn on_ground(&self, p: DVec2) -> Option<Vec3> {
         Some(self.to_bevy(p, self.surface(p, f64::INFINITY)?))
     }
 
-    /// Height of the surface that a walker at a Bevy point stands on, in metres: the drawn ground at that place, whether
-    /// it is above or below the point. Where the chunk is loaded, it may also be a bridge deck that is below the point, or
-    /// at most half a metre above it. `None` until there is a world, and outside of it.
+    /// Height of the surface that a walker at a Bevy point stands on, in metres: the drawn ground, whether it is above or below
+    /// the point, or, if the chunk is loaded, a bridge deck below the point or at most half a metre above it. `None` until
+    /// there is a world, and outside of it.
     pub fn height(&self, p: Vec3) -> Option<f32> {
         Some(self.surface(self.to_plan(p), f64::from(p.y) + STEP)? as f32)
     }
@@ -145,7 +144,7 @@ impl Sprawl<'_, '_> {
     pub fn nearest_street(&self, p: Vec3, reach: f64) -> Option<NearestStreet> {
         let p = self.to_plan(p);
         let mut nearest: Option<(&Chunk, &Street, DVec2, f64)> = None;
-        // A chunk owns the streets whose middle lies in it; they reach into the chunks around it.
+        // A chunk owns the streets whose middle lies in it, and these streets reach into the chunks around it.
         for chunk in self.index.loaded_near(p, reach + LONGEST_REACH) {
             let local = chunk.origin.to_local(p);
             for street in chunk.streets.iter().map(|s| &s.street) {
@@ -167,7 +166,7 @@ impl Sprawl<'_, '_> {
         })
     }
 
-    /// A street of a loaded chunk by its id, with the chunk whose origin its line is local to.
+    /// A street of a loaded chunk by its id, with the chunk. The street is local to the chunk's origin.
     pub fn street(&self, id: StreetId) -> Option<(&Chunk, &Street)> {
         self.index.loaded_chunks().find_map(|chunk| {
             let at = chunk.streets.binary_search_by_key(&id, |s| s.street.id).ok()?;
@@ -175,7 +174,7 @@ impl Sprawl<'_, '_> {
         })
     }
 
-    /// A junction of a loaded chunk by its id, with the chunk whose origin it is local to.
+    /// A junction of a loaded chunk by its id, with the chunk. The junction is local to the chunk's origin.
     pub fn junction(&self, id: JunctionId) -> Option<(&Chunk, &Junction)> {
         self.index.loaded_chunks().find_map(|chunk| {
             let at = chunk.junctions.binary_search_by_key(&id, |j| j.id).ok()?;
@@ -183,21 +182,21 @@ impl Sprawl<'_, '_> {
         })
     }
 
-    /// Searches the shortest way along streets between two Bevy points, in the background. Streets within 500 m of the box
-    /// around both points are used.
+    /// Searches in the background for the shortest way along streets between two Bevy points. Only streets within 500 m of the
+    /// box around both points are used.
     pub fn route(&self, from: Vec3, to: Vec3) -> SprawlTask<Route> {
         let (from, to) = (self.to_plan(from), self.to_plan(to));
         self.ask(move |world, cancel| world.route(from, to, ROUTE_MARGIN, cancel))
     }
 
-    /// Searches the town or city (not a village) whose centre is nearest to a Bevy point, within 128 km, in the background.
+    /// Searches in the background for the town or city (not a village) whose centre is nearest to a Bevy point, within 128 km.
     pub fn nearest_town(&self, p: Vec3) -> SprawlTask<Arc<Settlement>> {
         let p = self.to_plan(p);
         self.ask(move |world, cancel| nearest_town(world, p, cancel))
     }
 
-    /// Searches a place on a street in the background: within 150 m of the point if there is a street, otherwise in the
-    /// middle of the nearest town or city. [`StartOnStreet`](super::StartOnStreet) puts an entity there.
+    /// Searches in the background for a place on a street: within 150 m of the point if there is a street, otherwise in the
+    /// middle of the nearest town or city. [`StartOnStreet`](super::StartOnStreet) puts an entity on such a place.
     pub fn spawn_point(&self, near: Vec3) -> SprawlTask<SpawnPoint> {
         let near = self.to_plan(near);
         self.ask(move |world, cancel| spawn_point(world, near, cancel).map(Some))

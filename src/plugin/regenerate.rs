@@ -62,7 +62,7 @@ struct NextWorld {
     stale: Stale,
 }
 
-/// Several changes while a world is being made lead to one more world after it.
+/// Starts to make the next world if the source has changed. All changes while a world is being made lead to one further world.
 fn start_regeneration(
     mut stopwatch: Stopwatch,
     (source, awaited): (Res<SprawlSource>, Res<AwaitedFiles>),
@@ -96,7 +96,7 @@ fn start_regeneration(
         let stale = match (change, old) {
             (Difference::Some { styles, edits }, Some(old)) => {
                 let before = if edits { Some(&old) } else { None };
-                // Where the new world cannot be compared, nothing is known to be the same.
+                // If the new world cannot be compared, nothing is known to be the same.
                 unchanged_chunks(&world, before, &styles, loaded).map_or(Stale::All, Stale::AllBut)
             }
             _ => Stale::All,

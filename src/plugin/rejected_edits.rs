@@ -11,8 +11,7 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 
 /// An edit that the world cannot fulfil; the world is made without it. Sent as a message and as an event, and logged.
 ///
-/// It comes a while after [`WorldChanged`](super::WorldChanged), since the roads that edits want have to be made to find
-/// out.
+/// It comes a while after [`WorldChanged`](super::WorldChanged), since the roads that edits concern have to be made first.
 #[derive(Message, Event, Clone, Debug, PartialEq)]
 pub struct EditRejected {
     /// The edit, and why it cannot be fulfilled.
@@ -24,7 +23,7 @@ pub struct EditRejected {
 /// All edits that the current world cannot fulfil, in the order of the lists.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct RejectedEdits {
-    /// [`SprawlWorld::revision`] of the world that was examined; 0 until the first has been.
+    /// [`SprawlWorld::revision`] of the examined world; 0 until the first world has been examined.
     pub revision: u32,
     /// The edits.
     pub edits: Vec<EditRejected>,

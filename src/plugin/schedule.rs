@@ -10,13 +10,13 @@ use bevy::transform::TransformSystems;
 pub enum SprawlSystems {
     /// Takes up changed assets, edits and settings, and makes a new world from them in the background.
     World,
-    /// Reads where the anchors are and how they move. Shifts the origin when they are far from it.
+    /// Reads the places and motions of the anchors. Shifts the origin when they are far from it.
     Anchors,
     /// Decides which chunks are wanted, cancels stale tasks and starts new ones.
     Stream,
     /// Gives finished chunks to their entities and removes unwanted chunks, within the frame's budget.
     Apply,
-    /// Measures.
+    /// Reports the figures of the frame.
     Report,
 }
 

@@ -15,7 +15,7 @@ use glam::{DVec2, I64Vec2};
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct OriginSettings {
     /// The origin is shifted when the middle of all anchors with [`StreamAnchor::moves_origin`] is farther than this from
-    /// it, in metres along an axis. Infinity: never.
+    /// the origin, in metres along an axis. With infinity it is never shifted.
     pub distance: f32,
 }
 
@@ -26,8 +26,8 @@ impl Default for OriginSettings {
 }
 
 /// Whether the [`Transform`] of a root entity is shifted together with the origin. Every root is shifted by default, so that
-/// all things keep their places among each other; children move with their roots. Insert `ShiftsWithOrigin::No` for a root
-/// that belongs to no place in the world. Chunks, and the roots that anchors belong to, are always shifted.
+/// distances between things stay the same; children move with their roots. Insert `ShiftsWithOrigin::No` for a root that
+/// belongs to no place in the world. Chunks, and the roots that anchors belong to, are always shifted.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
@@ -43,7 +43,7 @@ pub enum ShiftsWithOrigin {
 /// the transforms of all roots have changed. Add `by` to the positions that a game keeps elsewhere.
 #[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
 pub struct OriginShifted {
-    /// What to add to Bevy positions, in metres.
+    /// The vector to add to Bevy positions, in metres.
     pub by: Vec3,
     /// The new origin.
     pub origin: Origin,
@@ -60,7 +60,7 @@ impl Plugin for ShiftPlugin {
     }
 }
 
-/// Entities without a parent, and what says whether they are shifted.
+/// Entities without a parent, with the components that decide whether they are shifted.
 type Root = (Entity, &'static mut Transform, Option<&'static ShiftsWithOrigin>, Option<&'static ChunkCoord>);
 
 fn shift_origin(
@@ -73,8 +73,8 @@ fn shift_origin(
 ) {
     let _running = stopwatch.start();
     let Some(middle) = middle(views.iter().filter(|a| a.moves_origin).map(|a| a.at)) else { return };
-    let far = origin.origin().to_local(middle).abs().max_element();
-    if far.is_nan() || far <= f64::from(settings.distance) {
+    let distance = origin.origin().to_local(middle).abs().max_element();
+    if distance.is_nan() || distance <= f64::from(settings.distance) {
         return;
     }
     let next = SprawlOrigin::near(middle, source.settings.chunk_size);

@@ -6,7 +6,7 @@ use crate::world::{Settings, World, WorldError, WorldSource};
 use bevy::prelude::{App, Deref, DerefMut, Event, Message, Plugin, Resource};
 
 /// The inputs of the world. A game may change them at any time: the plugin makes the next world in the background, and
-/// replaces the chunks that differ one by one. Another chunk size unloads every chunk at once.
+/// replaces the chunks that differ one by one. A change of the chunk size unloads every chunk.
 ///
 /// The world is made without the edits that it cannot fulfil; they are reported by [`EditRejected`](super::EditRejected).
 #[derive(Resource, Clone, Debug, Deref, DerefMut)]
@@ -44,23 +44,23 @@ pub struct WorldChanged {
     pub revision: u32,
 }
 
-/// The [`SprawlSource`] makes no world, and the last world stays. Sent as a message and as an event.
+/// No world can be made from the [`SprawlSource`], and the last world stays. Sent as a message and as an event.
 #[derive(Message, Event, Clone, Debug, PartialEq)]
 pub struct WorldRejected {
     /// What is wrong with the source.
     pub error: WorldError,
-    /// Where it is written, if it is in a file of [`AssetOrigin::Folder`](super::AssetOrigin::Folder).
+    /// Where the error is written, if it is in a file of [`AssetOrigin::Folder`](super::AssetOrigin::Folder).
     pub place: Option<FileError>,
 }
 
-/// After a [`WorldRejected`] the [`SprawlSource`] makes a world again. Sent as a message and as an event.
+/// After a [`WorldRejected`], a world can be made from the [`SprawlSource`] again. Sent as a message and as an event.
 #[derive(Message, Event, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorldMended {
-    /// [`SprawlWorld::revision`]. It is the old one if the source is again what that world was made from.
+    /// [`SprawlWorld::revision`]. It has not changed if the source is again the source of the current world.
     pub revision: u32,
 }
 
-/// What has to be loaded before the first world is made.
+/// The files that have to be loaded before the first world is made.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(super) struct AwaitedFiles {
     /// Styles and patch sets from a folder.

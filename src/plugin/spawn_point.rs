@@ -10,7 +10,7 @@ use bevy::prelude::{Dir3, Transform, Vec3};
 use glam::DVec2;
 use std::sync::Arc;
 
-/// A place for a player to begin: on a street. It stays valid when the origin is shifted.
+/// A place on a street for a player to begin. It stays valid when the origin is shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpawnPoint {
     /// The plan point (x east, y north, metres).
@@ -34,17 +34,17 @@ impl SpawnPoint {
     }
 }
 
-/// A street within this distance of the wanted point is near, in metres.
+/// Streets are first searched for within this distance of the wanted point, in metres.
 const NEAR: f64 = 150.0;
 
-/// Streets are searched within these distances of the middle of a town, in metres, one after the other.
+/// Then they are searched for within these distances of the middle of a town, in metres, one after the other.
 const TOWN_MIDDLE: [f64; 2] = [400.0, 1_200.0];
 
-/// Towns are searched within this distance, in metres.
+/// Towns are searched for within this distance, in metres.
 const FARTHEST_TOWN: f64 = 128_000.0;
 
-/// A place on a street near a plan point, otherwise in the middle of the nearest town or city, otherwise the point itself:
-/// a world without towns still has a ground.
+/// A place on a street near a plan point, otherwise in the middle of the nearest town or city. Without a town it is the point
+/// itself, on the ground.
 pub(super) fn spawn_point(world: &World, near: DVec2, cancel: &Cancel) -> Result<SpawnPoint, LayerError> {
     let mut street = world.nearest_street(near, NEAR, cancel)?;
     if street.is_none()
@@ -69,7 +69,7 @@ pub(super) fn nearest_town(world: &World, p: DVec2, cancel: &Cancel) -> Result<O
         for size in [SizeClass::Town, SizeClass::City] {
             for settlement in world.settlements().centred_in_of(Bounds::square(p, 2.0 * reach), size)? {
                 let distance = settlement.centre.plan().distance(p);
-                // A town in a corner of the square may be farther away than one outside of the square.
+                // A town in a corner of the square may be farther away than a town outside the square.
                 if distance <= reach && best.as_ref().is_none_or(|(d, _)| distance < *d) {
                     best = Some((distance, settlement));
                 }

@@ -13,14 +13,14 @@ use glam::DVec2;
 /// Height of the eyes over the ground, in metres.
 const EYE_HEIGHT: f32 = 1.7;
 
-/// An entity that has moved farther than this since the search began has been put elsewhere by the game, in metres.
+/// If an entity has moved farther than this since the search began, in metres, the game has put it elsewhere.
 const MOVED: f64 = 0.01;
 
 /// The search for a place.
 #[derive(Component)]
 struct StartSearch {
     place: SprawlTask<SpawnPoint>,
-    /// Where the entity was when the search began, in the plan, and its height.
+    /// The plan point and height of the entity when the search began.
     from: (DVec2, f32),
 }
 
@@ -40,6 +40,7 @@ impl Plugin for StartPlugin {
 
 type NewAnchor = (Entity, &'static StreamAnchor, &'static Transform);
 
+/// Gives new anchors a [`StartOnStreet`] if they ask for it.
 fn ask_for_new_anchors(
     mut stopwatch: Stopwatch,
     mut commands: Commands,
@@ -53,7 +54,7 @@ fn ask_for_new_anchors(
     }
 }
 
-/// Entities that wish to start on a street and for which no search runs yet.
+/// Entities that ask to start on a street and have no search yet.
 type Waiting = (With<StartOnStreet>, Without<StartSearch>);
 
 fn begin_searches(
@@ -83,7 +84,7 @@ fn finish_searches(
     let _running = stopwatch.start();
     for (entity, mut search, wish, mut transform, is_camera) in &mut entities {
         let Some(wish) = wish else {
-            // The game has taken its wish back.
+            // The game has removed the component to take its wish back.
             commands.entity(entity).remove::<StartSearch>();
             continue;
         };

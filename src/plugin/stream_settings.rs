@@ -6,17 +6,18 @@ use bevy::prelude::*;
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamSettings {
-    /// The number of chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`,
-    /// and one on the web, where tasks run on the main thread.
+    /// Most chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`, and one on the
+    /// web, where tasks run on the main thread.
     pub max_tasks: u32,
     /// Milliseconds per frame for giving finished chunks to their entities and for removing unwanted chunks. At least one
     /// chunk is applied in each frame, however long it takes.
     pub apply_ms: f32,
-    /// The number of chunks that are applied in a frame at most; at least 1.
+    /// Most chunks that are applied in a frame; 0 counts as 1.
     pub applies_per_frame: u32,
-    /// The number of chunks that are removed in a frame at most; at least 1.
+    /// Most chunks that are removed in a frame; 0 counts as 1.
     pub removals_per_frame: u32,
-    /// Chunks are also loaded around the places where the anchors will be after so many seconds.
+    /// Seconds to look ahead: chunks are also loaded around the places that the anchors will reach by then, at most half a
+    /// load radius away. A negative value counts as 0.
     pub lookahead_s: f32,
     /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. This needs about
     /// twice the memory. Colliders do not need it: they can be made from [`ChunkData`](crate::plugin::ChunkData).

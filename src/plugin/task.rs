@@ -54,7 +54,7 @@ pub struct SprawlTask<T> {
 }
 
 impl<T: Send + 'static> SprawlTask<T> {
-    /// Asks `question` of a world. `None` from the question means that there is no such thing.
+    /// Asks `question` of a world. A question that finds `None` has the answer [`NoAnswer::NotFound`].
     pub(super) fn new(
         world: Option<&World>,
         question: impl FnOnce(&World, &Cancel) -> Result<Option<T>, LayerError> + Send + 'static,
@@ -97,14 +97,14 @@ impl<T> Drop for SprawlTask<T> {
     }
 }
 
-/// Why work in the background came to nothing.
+/// Why background work has no result.
 pub(super) enum BackgroundError {
     Cancelled,
     /// A defect of the generator, in one line.
     Defect(String),
 }
 
-/// Runs `work`. A defect in the generator, even a panic, costs one result and not the game.
+/// Runs `work`. A defect of the generator, even a panic, costs one result and not the game.
 pub(super) fn without_panic<T>(work: impl FnOnce() -> Result<T, LayerError>) -> Result<T, BackgroundError> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(result)) => Ok(result),

@@ -1,4 +1,4 @@
-//! What the loaders have read.
+//! The contents of files as the loaders have read them.
 
 use bevy::prelude::Resource;
 use std::collections::BTreeMap;

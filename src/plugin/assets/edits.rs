@@ -1,4 +1,4 @@
-//! The file that edits come from. It is loaded again when it is saved.
+//! The file that edits come from, which is loaded again when it is saved.
 
 use super::contents::FileContents;
 use super::loader::read;

@@ -31,9 +31,9 @@ pub struct SprawlFolder {
     refused: BTreeSet<String>,
     listing: Option<Task<Result<Listing, FileError>>>,
     rescan: bool,
-    /// When it was last listed, in seconds of real time.
+    /// When the folder was last listed, in seconds of real time.
     listed_at: f32,
-    /// Why it could not be listed the last time.
+    /// Why the last listing failed, if it did.
     listing_error: Option<FileError>,
     /// Whether something has been loaded since the assets were handed over.
     changed: bool,
@@ -62,7 +62,7 @@ impl SprawlFolder {
         }
     }
 
-    /// Looks for files that have come or gone. The plugin does so by itself where the asset server watches files.
+    /// Looks for files that have come or gone. The plugin does so by itself if the asset server watches files.
     pub fn rescan(&mut self) {
         self.rescan = true;
     }
@@ -75,7 +75,7 @@ impl SprawlFolder {
         files.filter_map(|(_, path)| Some(path?.to_string()))
     }
 
-    /// The place of an error of a world in the file of the style that causes it. `None` if no loaded style does.
+    /// The place of a world's error in the file of the style that causes it. `None` if no loaded style causes it.
     pub(in crate::plugin) fn locate(&self, error: &WorldError, contents: &FileContents) -> Option<FileError> {
         let (style, wanted) = match error {
             WorldError::MissingFringe { style, fringe, .. } => (style, format!("\"{fringe}\"")),
@@ -97,7 +97,7 @@ impl SprawlFolder {
     }
 }
 
-/// A watched folder is listed this often, in seconds: the asset server reports files that change, not files that come.
+/// Seconds between listings of a watched folder: the asset server reports files that change, but not new files.
 const LIST_EVERY: f32 = 1.0;
 
 /// Lists the folder, and starts to load the files in it.
@@ -159,7 +159,7 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
             Err(error) => missing = Some(FileError::unreadable(inner.to_string_lossy(), error)),
         }
     }
-    // One of the two folders may be missing: its bundled files are used.
+    // One of the two folders may be missing; its bundled files are then used.
     let [styles, patches] = found;
     match missing {
         Some(error) if styles.is_empty() && patches.is_empty() => Err(error),
@@ -268,7 +268,7 @@ fn put<A: Clone + PartialEq>(
     into.insert(name, same.unwrap_or_else(|| Arc::new(asset.clone())));
 }
 
-/// The name that a style or patch set has by its file.
+/// The name of the style or patch set in a file: the file's name without its ending.
 fn asset_name(file: &str) -> Option<String> {
     Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned())
 }

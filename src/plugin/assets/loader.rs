@@ -77,7 +77,7 @@ impl AssetLoader for PatchSetLoader {
     }
 }
 
-/// The name and the text of the file. Its content is noted in `contents`.
+/// The name and the text of the file. The content is noted in `contents`.
 pub(super) async fn read(
     reader: &mut dyn Reader,
     context: &LoadContext<'_>,

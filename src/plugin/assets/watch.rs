@@ -1,7 +1,7 @@
-//! Loading files again that have changed.
+//! Loading changed files again.
 //!
 //! Bevy's file watcher reports files that are written in place. Many editors write a new file and move it over the old one;
-//! nothing is reloaded then. So the plugin compares the files with what was last read of them, now and then.
+//! nothing is reloaded then. So the plugin regularly compares the files with their contents as last read.
 
 use super::contents::FileContents;
 use super::edits::SprawlEdits;
@@ -11,7 +11,7 @@ use bevy::asset::AssetPath;
 use bevy::prelude::*;
 use bevy::tasks::{IoTaskPool, Task, futures::check_ready};
 
-/// Files are compared this often, in seconds of real time.
+/// Seconds of real time between comparisons.
 const COMPARE_EVERY: f32 = 1.0;
 
 /// The comparison that is under way.
@@ -21,7 +21,7 @@ pub(super) struct Comparison {
     started_at: f32,
 }
 
-/// Compares the files with what was read of them, where the asset server watches files, and loads those that differ again.
+/// If the asset server watches files, compares them with their contents as last read, and loads changed files again.
 pub(super) fn reload_changed(
     mut stopwatch: Stopwatch,
     time: Option<Res<Time<Real>>>,
@@ -48,7 +48,7 @@ pub(super) fn reload_changed(
     comparison.task = Some(IoTaskPool::get().spawn(async move {
         let mut changed = Vec::new();
         for file in files {
-            // A file that is gone, or cannot be read at the moment, has no other content.
+            // A file that is gone or cannot be read at the moment does not count as changed.
             if let Some(content) = read_file(&server, &file).await
                 && contents.get(&file).is_none_or(|known| *known != *content)
             {

@@ -1,7 +1,6 @@
 //! Giving finished chunks to their entities, and removing unwanted chunks.
 //!
-//! This is an exclusive system: its work is done when it returns, so that the time it measures against the budget is the
-//! time that the work really takes.
+//! This is an exclusive system: its work is done when it returns, so it measures the true time of the work against the budget.
 
 use super::build::FinishedChunk;
 use super::entry::ShownChunk;
@@ -38,7 +37,7 @@ pub(super) fn apply_chunks(world: &mut World) {
     time.total += start.elapsed();
 }
 
-/// Chunks that wait to be applied, in the order of their priorities.
+/// Chunks that wait to be applied, at most `most`, in the order of their priorities.
 fn finished(index: &ChunkIndex, most: usize) -> Vec<ChunkCoord> {
     let waiting = index.entries.iter().filter(|(_, e)| e.finished.is_some());
     let mut waiting: Vec<_> = waiting.map(|(coord, entry)| (entry.priority, *coord)).collect();
@@ -53,7 +52,7 @@ fn apply(world: &mut World, coord: ChunkCoord) {
     let Some(entry) = index.entries.get_mut(&coord) else { return };
     let (parent, Some(finished)) = (entry.entity, entry.finished.take()) else { return };
     if world.get_entity(parent).is_err() {
-        // The game has just despawned it: it will be planned anew.
+        // The game has just despawned the entity. The chunk will be planned anew.
         return;
     }
     let FinishedChunk { chunk, detail, outlines, parts, .. } = finished;

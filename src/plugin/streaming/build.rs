@@ -15,17 +15,17 @@ use std::sync::Arc;
 pub(super) struct FinishedChunk {
     pub chunk: Arc<Chunk>,
     pub detail: Detail,
-    /// The outlines of its settlements, in their order.
+    /// The outlines of the chunk's settlements, in the same order.
     pub outlines: Vec<Arc<Outline>>,
-    /// Empty where nothing could draw meshes.
+    /// Meshes; none if nothing could draw them.
     pub parts: Vec<PartMesh>,
-    /// How long it took, in seconds.
+    /// Seconds that the task took.
     pub seconds: f64,
 }
 
 pub(super) type BuildOutcome = Result<Box<FinishedChunk>, BackgroundError>;
 
-/// What a task does.
+/// The order for a task: which chunk to make, and how.
 pub(super) struct BuildOrder {
     pub generator: Arc<dyn ChunkGenerator>,
     pub coord: ChunkCoord,

@@ -13,32 +13,32 @@ use std::sync::Arc;
 /// A chunk that has an entity.
 pub(super) struct ChunkEntry {
     pub entity: Entity,
-    /// The detail that it should have.
+    /// The detail that the chunk should have.
     pub want: Detail,
-    /// What its entity shows.
+    /// What the entity shows.
     pub shown: Option<ShownChunk>,
-    /// Whether what it shows, or was to show, comes from an older world.
+    /// Whether the shown or awaited chunk comes from an older world.
     pub stale: bool,
-    /// Whether the last attempt failed. It is not tried again in the same world.
+    /// Whether the last attempt failed. The chunk is not tried again in the same world.
     pub failed: bool,
-    /// Whether it is no longer wanted and waits to be removed.
+    /// Whether the chunk is no longer wanted and waits to be removed.
     pub leaving: bool,
     pub job: Option<Job>,
     /// A result that waits to be applied.
     pub finished: Option<FinishedChunk>,
     /// Chunks are made in the order of this number, the lowest first.
     pub priority: f64,
-    /// The status that its entity has.
+    /// The status that the entity has.
     pub status_set: ChunkStatus,
 }
 
 /// What the entity of a chunk shows.
 pub(super) struct ShownChunk {
     pub detail: Detail,
-    /// Entities of its meshes.
+    /// Entities of the chunk's meshes.
     pub parts: Vec<Entity>,
     pub chunk: Arc<Chunk>,
-    /// The outlines of its settlements, in their order.
+    /// The outlines of the chunk's settlements, in the same order.
     pub outlines: Vec<Arc<Outline>>,
 }
 
@@ -64,13 +64,13 @@ impl ChunkEntry {
         }
     }
 
-    /// Whether a task should be started for it.
+    /// Whether a task should be started for the chunk.
     pub fn needs_work(&self) -> bool {
         let idle = self.job.is_none() && self.finished.is_none() && !self.leaving && !self.failed;
         idle && (self.stale || self.shown.as_ref().is_none_or(|s| s.detail != self.want))
     }
 
-    /// The status that its entity should have.
+    /// The status that the entity should have.
     pub fn status(&self) -> ChunkStatus {
         match (&self.shown, self.job.is_some() || self.finished.is_some()) {
             (Some(_), true) => ChunkStatus::Refreshing,
@@ -81,8 +81,8 @@ impl ChunkEntry {
         }
     }
 
-    /// Cancels its task and drops a result that has not been applied. The task, if any, is returned, since it may run on
-    /// for a moment.
+    /// Cancels the task and drops a result that has not been applied. Returns the task, if any, since it may run on for a
+    /// moment.
     pub fn cancel(&mut self) -> Option<Task<BuildOutcome>> {
         self.finished = None;
         let job = self.job.take()?;

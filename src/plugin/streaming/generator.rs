@@ -1,4 +1,4 @@
-//! What makes chunks: the world, or a stand-in in tests.
+//! The maker of chunks: the world, or a stand-in in tests.
 
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
@@ -16,7 +16,7 @@ pub(in crate::plugin) trait ChunkGenerator: Send + Sync + 'static {
     /// Makes a chunk.
     fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError>;
 
-    /// The outlines of the settlements of a chunk, in their order.
+    /// The outlines of a chunk's settlements, in the same order.
     fn outlines(&self, chunk: &Chunk) -> Result<Vec<Arc<Outline>>, LayerError>;
 
     /// Makes the meshes of a chunk.

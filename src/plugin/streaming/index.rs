@@ -17,7 +17,7 @@ pub(in crate::plugin) struct ChunkIndex {
     pub(super) entries: BTreeMap<ChunkCoord, ChunkEntry>,
     /// Loaded chunks of another chunk size, which wait to be removed.
     pub(super) retired: Vec<Unloading>,
-    /// Entities of chunks that were never loaded and are not wanted any more. They go at once.
+    /// Entities of chunks that were never loaded and are no longer wanted. They are despawned at once.
     pub(super) abandoned: Vec<Entity>,
 }
 

@@ -2,12 +2,12 @@
 //!
 //! | file | has |
 //! |---|---|
-//! | `generator` | what makes chunks and meshes: the world, or a stand-in in tests |
+//! | `generator` | the maker of chunks and meshes: the world, or a stand-in in tests |
 //! | `build` | one task: a chunk and its meshes |
 //! | `entry`, `index` | what is known about each chunk that has an entity |
-//! | `wanted`, `plan` | which chunks the anchors want; the entities that come and go for it |
+//! | `wanted`, `plan` | which chunks the anchors want, and spawning and despawning their entities |
 //! | `scheduler` | the tasks in flight |
-//! | `apply` | entities of finished chunks get their meshes, unwanted chunks go |
+//! | `apply` | giving finished chunks to their entities, and removing unwanted chunks |
 //! | `replace` | going over to another world |
 
 mod apply;

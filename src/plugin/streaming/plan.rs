@@ -1,4 +1,4 @@
-//! The entities that come and go for what the anchors want.
+//! Spawning and despawning the entities of chunks, as the anchors want.
 
 use super::entry::ChunkEntry;
 use super::index::ChunkIndex;
@@ -15,10 +15,10 @@ use bevy::prelude::*;
 /// Anchors may move this far before chunks are planned again, in metres.
 const TOLERANCE: f64 = 4.0;
 
-/// Added to the priority of a chunk that is loaded and only needs other meshes, in metres of distance.
+/// Metres of distance that are added to the priority of a chunk that is loaded and only needs other meshes.
 const REFRESH_PENALTY: f64 = 400.0;
 
-/// For which anchors chunks were last planned.
+/// The anchors for which chunks were last planned.
 #[derive(Resource, Default)]
 pub(in crate::plugin) struct Planned {
     anchors: Vec<AnchorView>,
@@ -80,11 +80,11 @@ pub(super) fn plan_chunks(
     planned.anchors.clone_from(&anchors);
     let index = &mut *index;
     let entries = &index.entries;
-    let held = |coord: ChunkCoord| {
+    let current_detail = |coord: ChunkCoord| {
         let entry = entries.get(&coord)?;
         Some(entry.shown.as_ref().map_or(entry.want, |s| s.detail.min(entry.want)))
     };
-    let wanted = wanted(&anchors, index.size, held);
+    let wanted = wanted(&anchors, index.size, current_detail);
     let abandoned = &mut index.abandoned;
     index.entries.retain(|coord, entry| {
         if let Some(want) = wanted.get(coord) {

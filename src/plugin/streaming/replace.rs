@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(in crate::plugin) enum Stale {
     All,
-    /// All chunks but these, which are known to be the same.
+    /// All chunks except the given ones, which are known to be the same.
     AllBut(BTreeSet<ChunkCoord>),
 }
 
@@ -27,7 +27,7 @@ pub(in crate::plugin) struct Streaming<'w> {
 }
 
 impl Streaming<'_> {
-    /// Goes over to another world. What is shown stays until its replacement is ready.
+    /// Goes over to another world. A shown chunk stays until its replacement is ready.
     pub fn replace<G: ChunkGenerator + Clone>(&mut self, generator: &G, stale: Stale) {
         let size = generator.chunk_size();
         let same_grid = size == self.index.size;

@@ -18,24 +18,24 @@ use std::sync::Arc;
 pub(in crate::plugin) struct Scheduler {
     /// `None` until there is a world.
     pub(super) generator: Option<Arc<dyn ChunkGenerator>>,
-    /// Cancelled tasks that have not noticed yet. They still occupy a thread.
+    /// Cancelled tasks that have not stopped yet and may still occupy a thread.
     pub(super) cancelled: Vec<Task<BuildOutcome>>,
     /// Chunks made since the start.
     pub made: u64,
     /// Chunks that could not be made since the start.
     pub failed: u64,
-    /// Seconds of background threads for all chunks made.
+    /// Seconds of background threads that all made chunks took.
     pub task_seconds: f64,
 }
 
 impl Scheduler {
-    /// Tasks in flight, also those that were cancelled and have not stopped yet.
+    /// Number of tasks in flight, including cancelled tasks that have not stopped yet.
     pub fn tasks_in_flight(&self, index: &ChunkIndex) -> usize {
         index.building() + self.cancelled.len()
     }
 }
 
-/// Takes the results of tasks, and keeps as many tasks busy as the settings allow.
+/// Takes the results of tasks, and starts as many tasks as the settings allow.
 pub(super) fn run_tasks(
     mut stopwatch: Stopwatch,
     mut commands: Commands,

@@ -221,7 +221,7 @@ fn stale_work_is_cancelled_and_tasks_are_bounded() {
     move_to(&mut app, anchor, Vec3::new(6000.0, 0.0, 0.0));
     settle(&mut app);
     assert!(chunks(&mut app).keys().all(|c| c.0.x > 5));
-    // Those that had begun noticed; those that had not never began.
+    // Tasks that had begun noticed; the others never began.
     assert!((1..=3).contains(&maker.cancelled.load(Ordering::Relaxed)));
 }
 
@@ -232,7 +232,7 @@ fn a_shifted_origin_keeps_everything_in_its_place() {
     let tree = app.world_mut().spawn(Transform::from_xyz(9_000.5, 3.0, -20.25)).id();
     let bird = app.world_mut().spawn((ShiftsWithOrigin::Yes, Transform::from_xyz(9_001.0, 30.0, 4.0))).id();
     let fixed = app.world_mut().spawn((ShiftsWithOrigin::No, Transform::from_xyz(1.0, 2.0, 3.0))).id();
-    // An anchor may be a child: the root that it belongs to is shifted, and it not twice.
+    // An anchor may be a child: its root is shifted, and the anchor is not shifted a second time.
     let head = app.world_mut().spawn((small(), Transform::from_xyz(0.0, 1.7, 0.0))).id();
     app.world_mut().entity_mut(head).insert(ChildOf(walker));
     app.world_mut().entity_mut(walker).remove::<StreamAnchor>();
@@ -263,7 +263,7 @@ fn an_anchor_may_leave_the_origin_where_it_is() {
     settle(&mut app);
     assert_eq!(*app.world().resource::<SprawlOrigin>(), SprawlOrigin::default());
     assert!(chunks(&mut app).contains_key(&ChunkCoord::new(97, 0)), "its chunks are loaded all the same");
-    // It is shifted with the others.
+    // The anchor is shifted with the others.
     move_to(&mut app, walker, Vec3::new(9_216.0, 0.0, 0.0));
     settle(&mut app);
     assert_eq!(app.world().get::<Transform>(view).unwrap().translation.x, 50_000.0 - 9_216.0);

@@ -14,12 +14,12 @@ pub(super) struct Want {
     pub priority: f64,
 }
 
-/// The chunks that `anchors` want. `held` is the detail of a chunk that is loaded or planned already. Such a chunk is kept
-/// up to the unload radius, and in full detail a little beyond the detail radius.
+/// The chunks of edge `size` metres that `anchors` want. `current_detail` gives the detail of a chunk that is loaded or planned
+/// already. Such a chunk is kept up to the unload radius, and in full detail a little beyond the detail radius.
 pub(super) fn wanted(
     anchors: &[AnchorView],
     size: i64,
-    held: impl Fn(ChunkCoord) -> Option<Detail>,
+    current_detail: impl Fn(ChunkCoord) -> Option<Detail>,
 ) -> BTreeMap<ChunkCoord, Want> {
     let mut all: BTreeMap<ChunkCoord, Want> = BTreeMap::new();
     for anchor in anchors {
@@ -30,15 +30,15 @@ pub(super) fn wanted(
             let coord = ChunkCoord::new(x, y);
             let square = coord.bounds(size);
             let distance = distance(square, anchor.at, anchor.ahead);
-            let held = held(coord);
-            if distance > if held.is_some() { anchor.unload } else { anchor.load } {
+            let current = current_detail(coord);
+            if distance > if current.is_some() { anchor.unload } else { anchor.load } {
                 continue;
             }
-            let keep = if held == Some(Detail::Full) { size as f64 / 4.0 } else { 0.0 };
-            let detail = if distance <= anchor.detail + keep { Detail::Full } else { Detail::Reduced };
+            let margin = if current == Some(Detail::Full) { size as f64 / 4.0 } else { 0.0 };
+            let detail = if distance <= anchor.detail + margin { Detail::Full } else { Detail::Reduced };
             let priority = priority(square, anchor);
             let want = all.entry(coord).or_insert(Want { detail, priority });
-            // The finer detail is the lesser value.
+            // A finer detail is a lesser value.
             *want = Want { detail: want.detail.min(detail), priority: want.priority.min(priority) };
         }
     }
@@ -54,7 +54,7 @@ fn priority(square: Bounds, anchor: &AnchorView) -> f64 {
     distance_to_segment(centre, anchor.at, anchor.ahead) + 0.3 * centre.distance(anchor.at.midpoint(anchor.ahead))
 }
 
-/// Distance between a square and the segment from `a` to `b`.
+/// Distance in metres between a square and the segment from `a` to `b`.
 fn distance(square: Bounds, a: DVec2, b: DVec2) -> f64 {
     if square.contains(a) || square.contains(b) {
         return 0.0;
@@ -102,10 +102,11 @@ mod tests {
         let mut moving = anchor(256.0, 256.0);
         moving.ahead = DVec2::new(656.0, 256.0);
         let wants = wanted(&[moving], 512, |_| None);
-        let of = |x, y| wants[&ChunkCoord::new(x, y)].priority;
-        assert!(wants.values().all(|w| w.priority >= of(0, 0)));
-        assert!(of(1, 0) < of(0, 1) && of(0, 1) < of(-1, 0), "{} {} {}", of(1, 0), of(0, 1), of(-1, 0));
-        assert!(of(2, 0) < of(-2, 0));
+        let priority = |x, y| wants[&ChunkCoord::new(x, y)].priority;
+        assert!(wants.values().all(|w| w.priority >= priority(0, 0)));
+        let [ahead, aside, behind] = [priority(1, 0), priority(0, 1), priority(-1, 0)];
+        assert!(ahead < aside && aside < behind, "{ahead} {aside} {behind}");
+        assert!(priority(2, 0) < priority(-2, 0));
     }
 
     #[test]
