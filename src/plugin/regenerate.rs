@@ -5,6 +5,7 @@ use super::frame_time::Stopwatch;
 use super::schedule::WorldSystems;
 use super::source::{AwaitedFiles, SprawlSource, SprawlWorld, WorldChanged, WorldMended, WorldRejected};
 use super::streaming::{ChunkIndex, Stale, Streaming};
+use super::task::catch_panic;
 use crate::world::{Difference, World, WorldError, difference, unchanged_chunks};
 use bevy::ecs::system::SystemState;
 use bevy::prelude::{
@@ -88,7 +89,7 @@ fn start_regeneration(
         return;
     }
     let loaded = index.settlements();
-    regeneration.task = Some(AsyncComputeTaskPool::get().spawn(async move {
+    let make = move || {
         let world = match &old {
             Some(old) => old.remade(source)?,
             None => World::new(source)?,
@@ -102,7 +103,11 @@ fn start_regeneration(
             _ => Stale::All,
         };
         Ok(NextWorld { world, stale })
-    }));
+    };
+    regeneration.task = Some(
+        AsyncComputeTaskPool::get()
+            .spawn(async move { catch_panic(make).unwrap_or_else(|defect| Err(WorldError::Defect(defect))) }),
+    );
 }
 
 fn finish_regeneration(

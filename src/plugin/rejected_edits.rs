@@ -4,8 +4,9 @@ use super::assets::SprawlEdits;
 use super::frame_time::Stopwatch;
 use super::schedule::WorldSystems;
 use super::source::SprawlWorld;
+use super::task::{BackgroundError, without_panic};
 use crate::edits::RejectedEdit;
-use crate::layer::{Cancel, FileError, LayerError};
+use crate::layer::{Cancel, FileError};
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, futures::check_ready};
 
@@ -45,7 +46,7 @@ impl Plugin for RejectedEditsPlugin {
 struct Examination {
     revision: u32,
     cancel: Cancel,
-    task: Option<Task<Result<Vec<RejectedEdit>, LayerError>>>,
+    task: Option<Task<Result<Vec<RejectedEdit>, BackgroundError>>>,
 }
 
 fn report_rejected_edits(
@@ -63,16 +64,19 @@ fn report_rejected_edits(
         examination.cancel.cancel();
         (examination.revision, examination.cancel) = (current.revision(), Cancel::new());
         let (world, cancel) = (world.clone(), examination.cancel.clone());
-        let examine =
-            async move { if world.edits().is_empty() { Ok(Vec::new()) } else { world.rejected_edits(&cancel) } };
-        examination.task = Some(AsyncComputeTaskPool::get().spawn(examine));
+        let examine = move || match world.edits().is_empty() {
+            true => Ok(Vec::new()),
+            false => world.rejected_edits(&cancel),
+        };
+        examination.task = Some(AsyncComputeTaskPool::get().spawn(async move { without_panic(examine) }));
     }
     let Some(outcome) = examination.task.as_mut().and_then(check_ready) else { return };
     examination.task = None;
     let edits = match outcome {
         Ok(edits) => edits,
-        Err(error) => {
-            error!("the edits could not be compared with the world: {error}");
+        Err(BackgroundError::Cancelled) => return,
+        Err(BackgroundError::Defect(reason)) => {
+            error!("the edits could not be compared with the world: {reason}");
             return;
         }
     };

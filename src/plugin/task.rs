@@ -16,6 +16,9 @@ pub enum NoAnswer {
     /// There is no such thing within reach.
     #[error("there is none within reach")]
     NotFound,
+    /// [`SprawlTask::poll`] has given the answer already.
+    #[error("the answer has been taken")]
+    Taken,
     /// A defect of the generator, in one line.
     #[error("{0}")]
     Defect(String),
@@ -86,7 +89,7 @@ impl<T: Send + 'static> Future for SprawlTask<T> {
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         match &mut self.task {
             Some(task) => Pin::new(task).poll(context),
-            None => Poll::Pending,
+            None => Poll::Ready(Err(NoAnswer::Taken)),
         }
     }
 }
@@ -106,14 +109,18 @@ pub(super) enum BackgroundError {
 
 /// Runs `work`. A defect of the generator, even a panic, costs one result and not the game.
 pub(super) fn without_panic<T>(work: impl FnOnce() -> Result<T, LayerError>) -> Result<T, BackgroundError> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(result)) => Ok(result),
-        Ok(Err(LayerError::Cancelled)) => Err(BackgroundError::Cancelled),
-        Ok(Err(error)) => Err(BackgroundError::Defect(error.to_string())),
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-            Err(BackgroundError::Defect(format!("the generator panicked: {text}")))
-        }
+    match catch_panic(work).map_err(BackgroundError::Defect)? {
+        Ok(result) => Ok(result),
+        Err(LayerError::Cancelled) => Err(BackgroundError::Cancelled),
+        Err(error) => Err(BackgroundError::Defect(error.to_string())),
     }
+}
+
+/// Runs `work`. A panic becomes an error that says why, in one line.
+pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        format!("the generator panicked: {text}")
+    })
 }

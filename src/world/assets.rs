@@ -51,16 +51,21 @@ pub enum WorldError {
         /// Names of the patch sets that the assets have.
         known: String,
     },
+    /// A defect of the generator, in one line. Only the plugin reports it; elsewhere a defect panics.
+    #[error("{0}")]
+    Defect(String),
     /// An edit is outside its range.
     #[error(transparent)]
     Edit(#[from] RejectedEdit),
     /// A style's tags leave it without any patch.
-    #[error("style `{style}` has no patch left: its allowed and excluded tags rule out all {of} patches of its sets")]
+    #[error(
+        "style `{style}` has no patch left: its allowed and excluded tags rule out all {patches} patches of its sets"
+    )]
     NoPatches {
         /// Name of the style.
         style: String,
         /// Number of patches in its sets.
-        of: usize,
+        patches: usize,
     },
 }
 
@@ -176,7 +181,7 @@ impl WorldAssets {
                 return Err(WorldError::MissingFringe { style: name.clone(), fringe, known });
             }
             if of > 0 && !sets.iter().flat_map(|s| &s.patches).any(|p| p.is_allowed(&style.allow, &style.exclude)) {
-                return Err(WorldError::NoPatches { style: name.clone(), of });
+                return Err(WorldError::NoPatches { style: name.clone(), patches: of });
             }
             Ok(())
         })

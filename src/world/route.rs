@@ -19,6 +19,15 @@ pub struct Route {
     pub length: f64,
 }
 
+/// A walk along a street, from junction to junction, or from where the way begins or to where it ends.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Walk {
+    street: usize,
+    forward: bool,
+    begins: bool,
+    ends: bool,
+}
+
 /// An end of the wanted way: a point on a street.
 struct Stop {
     street: usize,
@@ -49,61 +58,74 @@ impl Route {
         let (Some(start), Some(end)) = (nearest(origin.to_local(from)), nearest(origin.to_local(to))) else {
             return Ok(None);
         };
-        if start.street == end.street {
-            let line = &streets[start.street].line;
-            let mut points = cut_line(line, start.along.min(end.along), start.along.max(end.along));
-            if start.along > end.along {
-                points.reverse();
-            }
-            return Ok(Some(Self::of(origin, points, vec![streets[start.street].id])));
-        }
         let mut around: BTreeMap<JunctionId, Vec<usize>> = BTreeMap::new();
         for (i, s) in streets.iter().enumerate() {
             around.entry(s.from).or_default().push(i);
-            around.entry(s.to).or_default().push(i);
-        }
-        // A node is a street and whether the way leaves it at its last point. Costs are whole millimetres, so that they add
-        // exactly.
-        let lengths: Vec<f64> = streets.iter().map(|s| line_length(&s.line)).collect();
-        let cost = |metres: f64| (metres * 1000.0).round() as u64;
-        let exit = |(street, forward): (usize, bool)| {
-            let s = &streets[street];
-            if forward { (s.to, s.line[s.line.len() - 1]) } else { (s.from, s.line[0]) }
-        };
-        let goal = point_at(&streets[end.street].line, end.along).0;
-        let first = (usize::MAX, true);
-        let successors = |node: &(usize, bool)| -> Vec<((usize, bool), u64)> {
-            if *node == first {
-                let left = lengths[start.street] - start.along;
-                return vec![((start.street, true), cost(left)), ((start.street, false), cost(start.along))];
+            if s.to != s.from {
+                around.entry(s.to).or_default().push(i);
             }
-            let junction = exit(*node).0;
-            let onward = around[&junction].iter().filter(|i| **i != node.0);
-            onward.map(|&i| ((i, streets[i].from == junction), cost(lengths[i]))).collect()
+        }
+        let lengths: Vec<f64> = streets.iter().map(|s| line_length(&s.line)).collect();
+        // Costs are whole millimetres, so that they add exactly.
+        let cost = |metres: f64| (metres * 1000.0).round() as u64;
+        let exit = |walk: &Walk| {
+            let s = &streets[walk.street];
+            if walk.forward { (s.to, s.line[s.line.len() - 1]) } else { (s.from, s.line[0]) }
         };
-        let reached = |node: &(usize, bool)| node.0 == end.street;
-        let beeline =
-            |node: &(usize, bool)| if *node == first { 0 } else { cost((exit(*node).1.distance(goal) - 1.0).max(0.0)) };
-        // The last street is entered at one of its ends, so its whole length may be counted; the estimate stays below that.
-        let Some((nodes, _)) = astar(&first, successors, |n| if reached(n) { 0 } else { beeline(n) }, reached) else {
-            return Ok(None);
+        let end_street = end.street;
+        let end_at = point_at(&streets[end.street].line, end.along).0;
+        // Where a walk begins and ends, in metres along its street.
+        let stretch = |walk: &Walk| {
+            let whole = [0.0, lengths[walk.street]];
+            let [first, last] = if walk.forward { whole } else { [whole[1], whole[0]] };
+            (if walk.begins { start.along } else { first }, if walk.ends { end.along } else { last })
         };
+        // The walks along a street in one direction: to the end of the way, if it lies ahead, and to the junction.
+        let walks = |street: usize, forward: bool, begins: bool| {
+            let on = Walk { street, forward, begins, ends: false };
+            let end = Walk { ends: true, ..on.clone() };
+            let (from, to) = stretch(&end);
+            let is_ahead = street == end_street && if forward { to >= from } else { to <= from };
+            is_ahead.then_some(end).into_iter().chain([on])
+        };
+        let successors = |place: &Option<Walk>| -> Vec<(Option<Walk>, u64)> {
+            let mut next = Vec::new();
+            match place {
+                None => [true, false].into_iter().for_each(|f| next.extend(walks(start.street, f, true))),
+                Some(walk) if walk.ends => {}
+                Some(walk) => {
+                    let junction = exit(walk).0;
+                    for &i in around[&junction].iter().filter(|i| **i != walk.street) {
+                        if streets[i].from == junction {
+                            next.extend(walks(i, true, false));
+                        }
+                        if streets[i].to == junction {
+                            next.extend(walks(i, false, false));
+                        }
+                    }
+                }
+            }
+            let length = |walk: &Walk| (stretch(walk).1 - stretch(walk).0).abs();
+            next.into_iter().map(|walk| (cost(length(&walk)), walk)).map(|(cost, walk)| (Some(walk), cost)).collect()
+        };
+        // A metre less than the beeline, because each cost is rounded.
+        let beeline = |place: &Option<Walk>| match place {
+            Some(walk) if !walk.ends => cost((exit(walk).1.distance(end_at) - 1.0).max(0.0)),
+            _ => 0,
+        };
+        let arrived = |place: &Option<Walk>| place.as_ref().is_some_and(|walk| walk.ends);
+        let Some((way, _)) = astar(&None, successors, beeline, arrived) else { return Ok(None) };
         let mut points: Vec<DVec2> = Vec::new();
-        for (street, forward) in &nodes[1..] {
-            let line = &streets[*street].line;
-            let mut part = match (*street == start.street, *street == end.street) {
-                (true, _) if *forward => cut_line(line, start.along, lengths[*street]),
-                (true, _) => cut_line(line, 0.0, start.along),
-                (_, true) if *forward => cut_line(line, 0.0, end.along),
-                (_, true) => cut_line(line, end.along, lengths[*street]),
-                _ => line.clone(),
-            };
-            if !forward {
+        let way: Vec<Walk> = way.into_iter().flatten().collect();
+        for walk in &way {
+            let (from, to) = stretch(walk);
+            let mut part = cut_line(&streets[walk.street].line, from.min(to), from.max(to));
+            if !walk.forward {
                 part.reverse();
             }
             points.extend(part.into_iter().skip(usize::from(!points.is_empty())));
         }
-        Ok(Some(Self::of(origin, points, nodes[1..].iter().map(|(i, _)| streets[*i].id).collect())))
+        Ok(Some(Self::of(origin, points, way.iter().map(|walk| streets[walk.street].id).collect())))
     }
 
     fn of(origin: Origin, local: Vec<DVec2>, streets: Vec<StreetId>) -> Self {

@@ -1,5 +1,6 @@
 //! The one promise: what is made depends on seed, settings, assets and edits alone, wherever, whenever and on whichever thread.
 
+mod inputs;
 mod rivers;
 mod towns;
 
@@ -300,6 +301,27 @@ fn a_route_leads_along_streets_across_a_city() {
     assert!(route.length < 4000.0 && route.streets.len() > 3, "{route:?}");
     let longest = route.points.windows(2).map(|p| p[0].distance(p[1])).fold(0.0, f64::max);
     assert!(longest < 600.0, "a jump of {longest} m");
+}
+
+#[test]
+fn a_route_is_the_shortest_whichever_way_it_is_walked() {
+    let w = world(902, &Settings::default());
+    let town = &w.settlements().centred_in(Bounds::square(DVec2::ZERO, 30_000.0)).expect("not cancelled")[0];
+    let length = |from: DVec2, to: DVec2| {
+        let route = w.route(from, to, 600.0, &Cancel::new()).expect("not cancelled").expect("one component");
+        let jumps = route.points.windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
+        assert!((jumps - route.length).abs() < 1e-6);
+        route.length
+    };
+    let radius = town.radius * 0.8;
+    for k in 0..40u64 {
+        let mut stream = Seed(k).stream("route", &[]);
+        let mut place = || town.centre.plan() + DVec2::new(stream.signed(), stream.signed()) * radius;
+        let (a, b, c) = (place(), place(), place());
+        let (there, back) = (length(a, b), length(b, a));
+        assert!((there - back).abs() < 0.1, "{there} m there, {back} m back");
+        assert!(there <= length(a, c) + length(c, b) + 0.1, "a detour is shorter than {there} m");
+    }
 }
 
 #[test]

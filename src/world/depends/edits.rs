@@ -1,5 +1,6 @@
 //! What differs between two worlds of which only the edits differ.
 
+use super::TOWN_STEPS;
 use crate::edits::{Edits, PatchEdit, RoadEdit, SettlementEdit, Shape};
 use crate::edits::{Influence, WayPoint};
 use crate::layer::{Cancel, LayerError};
@@ -212,9 +213,7 @@ impl Comparison<'_> {
             return Ok(false);
         }
         for s in settlements {
-            // Parcels at a border read the streets of the town across. The seams of that town have ports from the towns that it
-            // touches, and these ports follow the styles of towns one step farther.
-            if !self.same_town(&s, 3)? || !self.same_pins(&s)? {
+            if !self.same_town(&s, TOWN_STEPS)? || !self.same_pins(&s)? {
                 return Ok(false);
             }
         }

@@ -1,8 +1,9 @@
 //! What differs between the inputs of two worlds, and which loaded chunks stay the same.
 
+use super::TOWN_STEPS;
 use crate::layer::{Cancel, LayerError};
-use crate::region::Settlement;
-use crate::space::{Bounds, ChunkCoord};
+use crate::region::{Settlement, SettlementId};
+use crate::space::ChunkCoord;
 use crate::world::{Settings, World, WorldAssets, WorldSource};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -76,23 +77,24 @@ fn differing<T: PartialEq>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Ar
 
 /// The loaded chunks that are the same in `world`, the next world. Each of `loaded` comes with the settlements that it shows.
 ///
-/// A chunk is left out if it shows a settlement of one of `styles`, or a settlement next to one: a main street that two
-/// towns share has ports from the styles of both. With `before`, the world of other edits, a chunk is also left out if it
-/// depends on edits that differ.
+/// A chunk is left out if it shows a settlement of one of `styles`, or a settlement that depends on such a settlement across
+/// borders of towns. With `before`, the world of other edits, a chunk is also left out if it depends on edits that differ.
+///
+/// # Errors
+///
+/// As [`World::chunk`], when settlements or roads cannot be made.
 pub fn unchanged_chunks(
     world: &World,
     before: Option<&World>,
     styles: &BTreeSet<String>,
     loaded: Vec<(ChunkCoord, Vec<Arc<Settlement>>)>,
 ) -> Result<BTreeSet<ChunkCoord>, LayerError> {
-    let mut known: BTreeMap<_, bool> = BTreeMap::new();
-    let mut is_touched = |settlement: &Settlement| -> Result<bool, LayerError> {
+    let mut known: BTreeMap<SettlementId, bool> = BTreeMap::new();
+    let mut is_touched = |settlement: &Arc<Settlement>| -> Result<bool, LayerError> {
         if let Some(known) = known.get(&settlement.id) {
             return Ok(*known);
         }
-        let around = Bounds::square(settlement.centre.plan(), settlement.radius * 2.0);
-        let near = world.settlements().overlapping(around)?;
-        let touched = styles.contains(&settlement.style) || near.iter().any(|s| styles.contains(&s.style));
+        let touched = towns_within_steps(world, settlement)?.iter().any(|s| styles.contains(&s.style));
         known.insert(settlement.id, touched);
         Ok(touched)
     };
@@ -111,6 +113,22 @@ pub fn unchanged_chunks(
         unchanged.retain(|coord| !changed.contains(coord));
     }
     Ok(unchanged)
+}
+
+/// A settlement and all settlements that it depends on across borders.
+fn towns_within_steps(world: &World, settlement: &Arc<Settlement>) -> Result<Vec<Arc<Settlement>>, LayerError> {
+    let mut found = vec![settlement.clone()];
+    let mut seen = BTreeSet::from([settlement.id]);
+    let mut first = 0;
+    for _ in 0..TOWN_STEPS {
+        let ring = first..found.len();
+        first = ring.end;
+        for i in ring {
+            let touching = world.settlements().touching(&found[i])?;
+            found.extend(touching.into_iter().filter(|s| seen.insert(s.id)));
+        }
+    }
+    Ok(found)
 }
 
 #[cfg(test)]
