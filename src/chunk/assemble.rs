@@ -3,7 +3,6 @@
 use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street};
-use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
 use crate::surface::Deck;
@@ -73,36 +72,10 @@ fn own_junction(chunk: &Chunk, id: JunctionId) -> bool {
     chunk.junctions.binary_search_by_key(&id, |j| j.id).is_ok()
 }
 
-fn moved(polygon: &[DVec2], offset: DVec2) -> Vec<DVec2> {
-    polygon.iter().map(|p| *p + offset).collect()
-}
-
-impl Block {
-    /// The same block with every point moved by `offset`.
-    pub fn moved(&self, offset: DVec2) -> Self {
-        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
-    }
-}
-
-impl Lot {
-    /// The same lot with every point moved by `offset`.
-    pub fn moved(&self, offset: DVec2) -> Self {
-        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
-    }
-}
-
-impl Footprint {
-    /// The same footprint with every point moved by `offset`.
-    pub fn moved(&self, offset: DVec2) -> Self {
-        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
-    }
-}
-
 impl Weigh for Chunk {
     fn bytes(&self) -> usize {
         let point = size_of::<DVec2>();
-        let lines = self.streets.iter().map(|s| &s.street).chain(&self.arriving);
-        let streets: usize = lines.map(|s| 120 + s.line.len() * point).sum();
+        let streets: usize = self.streets.iter().map(|s| &s.street).chain(&self.arriving).map(Street::bytes).sum();
         let blocks: usize = self.blocks.iter().map(|b| 40 + b.polygon.len() * point).sum();
         let lots: usize = self.lots.iter().map(|l| 48 + l.polygon.len() * point).sum();
         let buildings: usize = self.footprints.iter().map(|f| 48 + f.polygon.len() * point).sum();

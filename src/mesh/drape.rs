@@ -25,7 +25,7 @@ pub(super) struct Drape<'a> {
     inside: Vec<Corner>,
     outside: BTreeMap<(i32, i32), Corner>,
     heights: BTreeMap<(i32, i32), f64>,
-    scratch: [Vec<DVec2>; 5],
+    scratch: [Vec<DVec2>; 4],
 }
 
 impl<'a> Drape<'a> {
@@ -115,7 +115,7 @@ impl<'a> Drape<'a> {
 
     /// Adds a convex polygon (counter-clockwise), `lift` metres above the ground.
     pub fn lay(&mut self, out: &mut MeshBuffers, polygon: &[DVec2], lift: f64, colour: Rgb) {
-        let [mut strip, mut square, mut half, mut spare, _] = std::mem::take(&mut self.scratch);
+        let [mut strip, mut square, mut half, mut spare] = std::mem::take(&mut self.scratch);
         let bounds = Bounds::of(polygon.iter().copied());
         let (low, high) = ((bounds.min / self.step).floor(), (bounds.max / self.step).floor());
         for row in low.y as i32..=high.y as i32 {
@@ -151,7 +151,7 @@ impl<'a> Drape<'a> {
                 }
             }
         }
-        self.scratch = [strip, square, half, spare, Vec::new()];
+        self.scratch = [strip, square, half, spare];
     }
 
     /// Adds a quadrangle. If it is not convex, only its triangles that run counter-clockwise are added.

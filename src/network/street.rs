@@ -137,6 +137,11 @@ impl Street {
         Self { id, class, from, to, line, level: 0, bridge: false, tunnel: false }
     }
 
+    /// Size in memory, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of::<Self>() + self.line.len() * size_of::<DVec2>()
+    }
+
     /// Length of the centre line in metres.
     pub fn length(&self) -> f64 {
         line_length(&self.line)

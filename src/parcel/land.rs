@@ -66,3 +66,28 @@ pub struct CellParcels {
     /// Buildings, at most one for each lot.
     pub footprints: Vec<Footprint>,
 }
+
+fn moved(polygon: &[DVec2], offset: DVec2) -> Vec<DVec2> {
+    polygon.iter().map(|p| *p + offset).collect()
+}
+
+impl Block {
+    /// The same block with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}
+
+impl Lot {
+    /// The same lot with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}
+
+impl Footprint {
+    /// The same footprint with every point moved by `offset`.
+    pub fn moved(&self, offset: DVec2) -> Self {
+        Self { polygon: moved(&self.polygon, offset), ..self.clone() }
+    }
+}

@@ -11,6 +11,9 @@ use crate::space::{Seed, quantum_key};
 use crate::style::Style;
 use crate::town::{CellUse, Town};
 
+/// Word that tells the names of ports from other names on a street.
+const PORT_NAME: u64 = 0x70;
+
 /// Step of the search for a point where a proposal has room, in metres.
 const SEARCH_STEP: f64 = 4.0;
 /// Least distance of a port from the ends of its street, in metres.
@@ -74,7 +77,7 @@ pub fn seams(seed: Seed, town: &Town, styles: &[&Style], across: &[TownAndStyles
     supply_cells(own, &edges, &mut all);
     let port = |edge: &SeamEdge, a: &Attachment| {
         let [x, y] = quantum_key(a.point.at);
-        let junction = JunctionId::of(&[edge.street.0, 0x70, x, y]);
+        let junction = JunctionId::of(&[edge.street.0, PORT_NAME, x, y]);
         Port { junction, along: a.point.along, at: a.point.at + edge.shift, left: a.left, right: a.right }
     };
     let seam =

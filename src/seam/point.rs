@@ -2,7 +2,7 @@
 
 use super::port::{APPROACH_CLEARANCE, APPROACH_LENGTH};
 use super::side::StreetSide;
-use crate::space::{left_normal, quantize, segment_distance, segments};
+use crate::space::{quantize, segment_distance, segments};
 use glam::DVec2;
 
 /// Distance of ports from points of inflexion, in metres.
@@ -43,10 +43,7 @@ impl StreetPoint {
 
     /// Unit direction of an approach on one side, away from the street.
     pub fn inward(&self, side: StreetSide) -> DVec2 {
-        match side {
-            StreetSide::Left => left_normal(self.direction),
-            StreetSide::Right => -left_normal(self.direction),
-        }
+        side.inward(self.direction)
     }
 
     /// Whether the approaches of two points of one street are far enough apart on one side.

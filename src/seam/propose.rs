@@ -119,10 +119,7 @@ pub(super) fn opposite(
     along: f64,
 ) -> Option<PortProposal> {
     let (mut at, direction) = point_at(&town.mains[main].street.line, along);
-    let inward = match from {
-        StreetSide::Left => direction.perp(),
-        StreetSide::Right => -direction.perp(),
-    };
+    let inward = from.inward(direction);
     let mut heading = town.field.along(at, inward);
     if heading.dot(inward) < SQUARE {
         return None;

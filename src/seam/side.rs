@@ -1,6 +1,8 @@
 //! The two sides of a main street.
 
+use crate::space::left_normal;
 use crate::town::{CellSide, MainStreet};
+use glam::DVec2;
 
 /// A side of a main street.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,6 +19,14 @@ impl StreetSide {
     /// The side of its main street that a side of a cell lies on.
     pub fn of(side: &CellSide) -> Self {
         if side.forward { Self::Left } else { Self::Right }
+    }
+
+    /// The unit direction away from a street that leads in `direction`, on this side of it.
+    pub fn inward(self, direction: DVec2) -> DVec2 {
+        match self {
+            Self::Left => left_normal(direction),
+            Self::Right => -left_normal(direction),
+        }
     }
 
     /// Index of the cell on this side of a main street.

@@ -2,7 +2,7 @@
 
 use super::styles::CellStyle;
 use crate::layer::Weigh;
-use crate::network::{Junction, JunctionId, Network, StreetId};
+use crate::network::{Junction, JunctionId, Network, Street, StreetId};
 use crate::parcel::CellParcels;
 use crate::seam::{self, Seam};
 use crate::space::Origin;
@@ -73,7 +73,7 @@ impl Weigh for SeamedTown {
 
 impl Weigh for CellStreets {
     fn bytes(&self) -> usize {
-        let streets: usize = self.streets.iter().map(|s| 120 + s.street.line.len() * size_of::<DVec2>()).sum();
+        let streets: usize = self.streets.iter().map(|s| s.street.bytes()).sum();
         streets + self.junctions.len() * size_of::<Junction>() + self.unmet.len() * size_of::<JunctionId>()
     }
 }
@@ -91,6 +91,6 @@ fn weigh_style(cell: &CellStyle) -> usize {
 }
 
 fn weigh_network(network: &Network) -> usize {
-    let streets: usize = network.streets.iter().map(|s| 112 + s.line.len() * size_of::<DVec2>()).sum();
+    let streets: usize = network.streets.iter().map(Street::bytes).sum();
     streets + network.junctions.len() * size_of::<Junction>()
 }

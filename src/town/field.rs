@@ -1,6 +1,6 @@
 //! Direction fields: at every point the cross of directions that streets prefer.
 
-use crate::space::math::{angle_of, cos, direction, sin, smoothstep};
+use crate::space::math::{angle_of, direction, sin, smoothstep};
 use crate::space::{Bounds, Origin, Stream};
 use crate::style::FieldKind;
 use crate::terrain::Terrain;
@@ -155,7 +155,7 @@ impl Lattice {
                 let angle = 4.0 * flat.flat_angle(at(i));
                 let steepness = slope.length() / FLAT;
                 let uphill = if steepness > 0.0 { 4.0 * angle_of(slope) } else { 0.0 };
-                direction(angle) + DVec2::new(cos(uphill), sin(uphill)) * steepness * steepness.min(3.0)
+                direction(angle) + direction(uphill) * steepness * steepness.min(3.0)
             })
             .collect();
         // Streets follow the lie of the land rather than its bumps.

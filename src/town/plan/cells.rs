@@ -9,6 +9,11 @@ use crate::space::{line_length, point_at, point_in_polygon, pole, quantum_key, s
 use crate::town::{CellId, CellSide, CellUse, MainCell, MainStreet};
 use glam::DVec2;
 
+/// Words that tell the names of a town's junctions, main streets and main cells apart.
+const JUNCTION_NAME: u64 = 0x6a;
+const STREET_NAME: u64 = 0x6d;
+const CELL_NAME: u64 = 0x63;
+
 /// Junctions, main streets and main cells.
 pub(super) struct Parts {
     pub junctions: Vec<Junction>,
@@ -35,7 +40,7 @@ pub(super) fn parts(
         Some(gate) => site.gates[gate].junction,
         None => {
             let [x, y] = quantum_key(streets.at(v));
-            JunctionId::of(&[settlement.0, 0x6a, x, y])
+            JunctionId::of(&[settlement.0, JUNCTION_NAME, x, y])
         }
     };
     let junctions =
@@ -59,7 +64,7 @@ pub(super) fn parts(
         }
         let (from, to) = (id(vertices[0]), id(vertices[vertices.len() - 1]));
         let [x, y] = quantum_key(point_at(&line, line_length(&line) / 2.0).0);
-        let name = StreetId::of(&[settlement.0, 0x6d, from.0.min(to.0), from.0.max(to.0), x, y]);
+        let name = StreetId::of(&[settlement.0, STREET_NAME, from.0.min(to.0), from.0.max(to.0), x, y]);
         let street = match shared {
             Some(shared) => shared.street.clone(),
             None => {
@@ -129,6 +134,6 @@ fn cell(
         [ax, ay, bx, by]
     };
     let name = (0..n).map(half_edge).min().unwrap_or_default();
-    let id = CellId(stable_hash(&[settlement.0, 0x63, name[0], name[1], name[2], name[3]]));
+    let id = CellId(stable_hash(&[settlement.0, CELL_NAME, name[0], name[1], name[2], name[3]]));
     MainCell { id, cell_use: CellUse::Built, anchor: pole(&border, 4.0).0, border, sides }
 }
