@@ -5,6 +5,7 @@ use crate::network::{JunctionId, Street, StreetId, crossings};
 use crate::space::{
     Bounds, DisjointSets, Origin, distance_to_segment, point_at, point_in_polygon, polygon_distance, segments,
 };
+use crate::streets::{Cause, Rule};
 use crate::world::Area;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -40,6 +41,21 @@ pub enum Fault {
     UnmetPort,
     /// A building reaches into a street.
     BuildingOnStreet,
+    /// A local street breaks a rule of its style, and neither a port, a pin nor the drawing of a patch makes it do so.
+    BrokenRule,
+}
+
+/// How often local streets break a rule of their style, by rule and cause. Those that have a cause are no findings.
+pub type Exceptions = BTreeMap<(Rule, Cause), usize>;
+
+/// Counts where the local streets of an area break a rule of their style, as far as that is in its box.
+pub fn exceptions(area: &Area) -> Exceptions {
+    let inside = area.bounds.moved(-area.origin.plan());
+    let mut counted = Exceptions::new();
+    for exception in area.exceptions.iter().filter(|e| inside.contains(e.at)) {
+        *counted.entry((exception.rule, exception.cause)).or_default() += 1;
+    }
+    counted
 }
 
 impl std::fmt::Display for Finding {
@@ -66,6 +82,9 @@ pub fn audit(area: &Area) -> Vec<Finding> {
     audit.near_misses();
     audit.components();
     audit.buildings();
+    for exception in area.exceptions.iter().filter(|e| e.cause == Cause::Defect) {
+        audit.report(Fault::BrokenRule, exception.at);
+    }
     for _ in 0..area.unmet_ports {
         audit.report(Fault::UnmetPort, DVec2::ZERO);
     }

@@ -8,7 +8,7 @@ mod directions;
 mod measures;
 mod survey;
 
-pub use audit::{Fault, Finding, audit, unreached_gates};
+pub use audit::{Exceptions, Fault, Finding, audit, exceptions, unreached_gates};
 pub use chunk_borders::{ChunkBorderCounts, ChunkBorderReport};
 pub use measures::{Measures, measure};
 pub use survey::{Survey, survey};

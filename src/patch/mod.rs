@@ -64,7 +64,7 @@ pub mod tag;
 pub use database::{Passage, PatchDatabase, PatchFacts, PatternEntry};
 pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
-pub use shape::{ArmSample, LEAST_ARM, PatchShape, PatchView, SECTORS, STRETCH, SectorReach};
+pub use shape::{ArmSample, DrawingRules, LEAST_ARM, PatchShape, PatchView, SECTORS, STRETCH, SectorReach};
 pub(crate) use shape::{in_sectors, keeps_rules};
 #[cfg(feature = "cli")]
 pub use sheet::draw_sheet;

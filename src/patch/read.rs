@@ -64,12 +64,13 @@ fn check_pattern(pattern: &PatternDrawing, patches: &[Patch]) -> Result<(), (&'s
     if name.trim().is_empty() {
         return Err(("name", "the name of a pattern is empty".into()));
     }
-    if !patches.iter().any(|p| p.name == *element) {
+    let Some(patch) = patches.iter().find(|p| p.name == *element) else {
         let known: Vec<&str> = patches.iter().map(|p| p.name.as_str()).collect();
         let known = known.join("`, `");
         let reason = format!("pattern `{name}`: no patch is named `{element}`; this file has `{known}`");
         return Err(("element", reason));
-    }
+    };
+    patch.may_repeat().map_err(|why| ("element", format!("pattern `{name}`: patch `{element}` {why}")))?;
     let (low, high) = *scale;
     if !(low >= 0.25 && low <= high && high <= 4.0) {
         let allowed = "least, then greatest, each 0.25 to 4";
@@ -175,6 +176,19 @@ mod tests {
             assert_says(&pattern(&fields), 3, &["`p`", "repeat", "1 to 100"]);
         }
         assert_says(&pattern("name: \"p\", element: \"a\", repeat: (1, 2), times: 3"), 3, &["times", "repeat"]);
+        let of = |fields: &str| {
+            error(&format!(
+                "(patches: [(name: \"a\", {fields})],\npatterns: [\n(name: \"p\", element: \"a\", repeat: (1, 2))])"
+            ))
+        };
+        assert_says(
+            &of("vertices: [(0, 0), (50, 0)], streets: [(0, 1)], dead_ends: [1]"),
+            3,
+            &["`p`", "`a`", "two ends"],
+        );
+        let forked =
+            "vertices: [(-40, 0), (0, 0), (40, 0), (30, 50), (-30, 50)], main: [[0, 1, 2]], streets: [(1, 3), (1, 4)]";
+        assert_says(&of(forked), 3, &["vertex 1", "2 streets"]);
         let good = "(name: \"p\", element: \"a\", repeat: (1, 2))";
         let twice = error(&format!("(patches: [{one}],\npatterns: [{good},\n{good}])"));
         assert_says(&twice, 3, &["second pattern", "`p`"]);

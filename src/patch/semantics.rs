@@ -88,7 +88,8 @@ impl Patch {
         chains.iter().map(|c| graph.chain_vertices(c).iter().map(|v| *v as usize).collect()).collect()
     }
 
-    /// The main street of a patch that is fit to start the growth of a cell from ([`tag::INITIAL`]), else `None`.
+    /// The main street of a patch that can stand along one: a straight line, with local streets that hang together and lie on one
+    /// side of it. With a connectable vertex, it is fit to start the growth of a cell from ([`tag::INITIAL`]).
     pub fn main_line(&self) -> Option<MainLine> {
         let on_main = |v: usize| self.edges_at(v).any(|e| self.edges[e].main);
         let main: Vec<usize> = (0..self.vertices.len()).filter(|v| on_main(*v)).collect();
@@ -109,7 +110,7 @@ impl Patch {
         let off: Vec<usize> = (0..self.vertices.len()).filter(|v| !on_main(*v)).collect();
         let left = off.iter().all(|v| side(*v) > STRAIGHT);
         let right = off.iter().all(|v| side(*v) < -STRAIGHT);
-        if self.connectables.is_empty() || !(left || right) || !self.locals_hang_together() {
+        if off.is_empty() || !(left || right) || !self.locals_hang_together() {
             return None;
         }
         let (from, to, along) = if left { (from, to, along) } else { (to, from, -along) };
@@ -131,6 +132,23 @@ impl Patch {
         Some((at(pair.a), at(pair.b)))
     }
 
+    /// Whether the patch can be the element of a pattern; else why it cannot, as the rest of a sentence about it.
+    pub(super) fn may_repeat(&self) -> Result<(), String> {
+        if self.repeat_line().is_none() {
+            let needs =
+                "a straight main street with streets on one side of it, or two ends at which the network goes on";
+            return Err(format!("cannot be repeated: it needs {needs}"));
+        }
+        let local = |v: &usize| self.edges_at(*v).filter(|e| !self.edges[*e].main).count();
+        let roots = self.main_line().map_or(Vec::new(), |main| main.attachments);
+        match roots.iter().map(|v| (*v, local(v))).find(|(_, streets)| *streets > 1) {
+            Some((v, streets)) => Err(format!(
+                "cannot stand along a main street: {streets} streets leave that at vertex {v}; allowed is one at a place"
+            )),
+            None => Ok(()),
+        }
+    }
+
     fn distance(&self, a: usize, b: usize) -> f64 {
         self.vertices[a].distance(self.vertices[b])
     }
@@ -149,7 +167,7 @@ impl Patch {
 
     /// The tags of the patch as a whole.
     pub(super) fn find_tags(&self) -> Vec<&'static str> {
-        let roundabout = self.graph().faces().iter().any(|f| self.is_roundabout(f));
+        let roundabout = self.roundabouts().next().is_some();
         let curved = roundabout || self.streets().iter().any(|s| self.is_curve(s));
         let tags = [
             (tag::ROUNDABOUT, roundabout),
@@ -159,9 +177,23 @@ impl Patch {
             (tag::CURVED, curved),
             (tag::STRAIGHT, !curved),
             (tag::TERMINAL, self.connectables.len() == 1),
-            (tag::INITIAL, self.main_line().is_some()),
+            (tag::INITIAL, self.main_line().is_some() && !self.connectables.is_empty()),
         ];
         tags.into_iter().filter(|(_, is)| *is).map(|(tag, _)| tag).collect()
+    }
+
+    /// The rings of its roundabouts, as vertices.
+    fn roundabouts(&self) -> impl Iterator<Item = Vec<VertexIx>> + '_ {
+        self.graph().faces().into_iter().filter(|f| self.is_roundabout(f)).map(|f| f.vertices)
+    }
+
+    /// For each vertex whether it is on a roundabout, or on a curved street and no connectable end of that.
+    pub(super) fn shaped_vertices(&self) -> Vec<bool> {
+        let mut shaped = vec![false; self.vertices.len()];
+        let curves = self.streets().into_iter().filter(|s| self.is_curve(s)).flatten().filter(|v| self.degree(*v) > 1);
+        let rings = self.roundabouts().flatten().map(|v| v as usize);
+        rings.chain(curves).for_each(|v| shaped[v] = true);
+        shaped
     }
 
     fn is_roundabout(&self, face: &Face) -> bool {

@@ -2,7 +2,7 @@
 //! keep the distances that a filler keeps.
 
 use crate::network::STREET_FLOOR;
-use crate::patch::{Connectable, Patch};
+use crate::patch::{Connectable, Patch, tag};
 use crate::space::{line_length, math, point_at, segment_distance, segments};
 use glam::{DVec2, Vec2, Vec4};
 use std::f64::consts::TAU;
@@ -19,6 +19,20 @@ const SAMPLE: f64 = 12.0;
 /// Greatest distance between two samples along the part of an arm that may be cut back.
 const ARM_SAMPLE: f64 = 6.0;
 
+/// What a style asks of the drawing of a patch (Teng 2017, section 3.3), besides what is asked of every drawing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawingRules {
+    /// Cosine of the least angle between two streets at a vertex, and between two parts of a street.
+    pub cosine: f64,
+    /// Greatest number of streets at a vertex.
+    pub most_streets: usize,
+}
+
+impl DrawingRules {
+    /// What asks for nothing.
+    const NONE: Self = Self { cosine: 1.0, most_streets: usize::MAX };
+}
+
 /// The geometry of a patch, taken apart. Main streets are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchShape {
@@ -34,6 +48,15 @@ pub struct PatchShape {
     /// Whether the streets keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, and are
     /// not too short, even when the patch is made smaller by [`STRETCH`].
     pub sound: bool,
+    /// For each vertex whether it lies on a curve that is drawn on purpose, which keeps its shape: on the ring of a roundabout, or
+    /// on a street that makes the patch a curved one ([`tag::CURVED`](crate::patch::tag::CURVED)) and is no end of that street from which the network goes on.
+    pub shaped: Vec<bool>,
+    /// Whether it has a roundabout, so that only placements which leave it round keep its shape.
+    pub round: bool,
+    /// Greatest cosine of the angle between two edges at a vertex.
+    sharpest: f64,
+    /// Greatest number of edges at a vertex.
+    most_streets: usize,
 }
 
 impl PatchShape {
@@ -88,7 +111,24 @@ impl PatchShape {
         shape.samples.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
         shape.samples.dedup();
         shape.sound = is_sound(patch);
+        shape.shaped = patch.shaped_vertices();
+        shape.round = patch.tags.contains(tag::ROUNDABOUT);
+        shape.most_streets = around.iter().map(Vec::len).max().unwrap_or(0);
+        shape.sharpest = -1.0;
+        for (v, here) in around.iter().enumerate() {
+            let way = |e: usize| (at(patch.edges[e].other(v)) - at(v)).normalize_or_zero();
+            for (i, e) in here.iter().enumerate() {
+                let sharpest = here[..i].iter().map(|f| way(*e).dot(way(*f))).fold(-1.0, f64::max);
+                shape.sharpest = shape.sharpest.max(sharpest);
+            }
+        }
         shape
+    }
+
+    /// Whether a patch of this shape may stand where these rules hold: it is [sound](Self::sound), and neither forks too sharply
+    /// nor has too many streets at a vertex.
+    pub fn keeps(&self, rules: &DrawingRules) -> bool {
+        self.sound && self.sharpest <= rules.cosine && self.most_streets <= rules.most_streets
     }
 }
 
@@ -183,18 +223,21 @@ fn samples_along(line: &[DVec2], from: f64, step: f64) -> Vec<ArmSample> {
 /// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
 fn is_sound(patch: &Patch) -> bool {
     let edges: Vec<(usize, usize)> = patch.edges.iter().filter(|e| !e.main).map(|e| (e.a, e.b)).collect();
-    keeps_rules(&patch.vertices, &edges, 1.0 / (1.0 - STRETCH))
+    keeps_rules(&patch.vertices, &edges, 1.0 / (1.0 - STRETCH), &DrawingRules::NONE)
 }
 
-/// Whether streets between `points` keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more and
-/// are not too short; distances are `larger` times what they must be.
-pub(crate) fn keeps_rules(points: &[DVec2], edges: &[(usize, usize)], larger: f64) -> bool {
+/// Whether streets between `points` keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, are
+/// not too short, and keep to `rules`; distances are `larger` times what they must be.
+pub(crate) fn keeps_rules(points: &[DVec2], edges: &[(usize, usize)], larger: f64, rules: &DrawingRules) -> bool {
     let least = STREET_FLOOR * larger;
     let at = |v: usize| points[v];
     let mut degrees = vec![0u32; points.len()];
     for (a, b) in edges {
         degrees[*a] += 1;
         degrees[*b] += 1;
+    }
+    if degrees.iter().any(|d| *d as usize > rules.most_streets) {
+        return false;
     }
     let degree = |v: usize| degrees[v];
     // Streets: runs of edges between vertices of other degree than 2.
@@ -237,7 +280,7 @@ pub(crate) fn keeps_rules(points: &[DVec2], edges: &[(usize, usize)], larger: f6
             if let Some(v) = meet {
                 let arm = |x: &(usize, usize)| (at(if x.0 == v { x.1 } else { x.0 }) - at(v)).normalize_or_zero();
                 let cosine = arm(e).dot(arm(f));
-                return cosine < if degree(v) == 2 { 0.3 } else { 0.75 };
+                return cosine < if degree(v) == 2 { 0.3 } else { 0.75 } && cosine <= rules.cosine;
             }
             if street[i] == street[k] {
                 return apart() > 4.0;

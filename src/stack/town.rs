@@ -6,7 +6,7 @@ use crate::network::{Junction, JunctionId, Network, Street, StreetId};
 use crate::parcel::CellParcels;
 use crate::seam::{self, Seam};
 use crate::space::Origin;
-use crate::streets::{CellFiller, CellStreets};
+use crate::streets::{CellFiller, CellStreets, Exception};
 use crate::town::Town;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -74,7 +74,8 @@ impl Weigh for SeamedTown {
 impl Weigh for CellStreets {
     fn bytes(&self) -> usize {
         let streets: usize = self.streets.iter().map(|s| s.street.bytes()).sum();
-        streets + self.junctions.len() * size_of::<Junction>() + self.unmet.len() * size_of::<JunctionId>()
+        let unmet = self.unmet.len() * size_of::<JunctionId>();
+        streets + self.junctions.len() * size_of::<Junction>() + unmet + self.exceptions.len() * size_of::<Exception>()
     }
 }
 

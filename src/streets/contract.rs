@@ -1,15 +1,15 @@
 //! The contract of [`CellFiller`], held against every filler in many cells, by brute force on their final streets.
 
-use super::filler::{CellFiller, CellStreets, CellToFill, PinnedPiece};
+use super::filler::{Cause, CellFiller, CellStreets, CellToFill, PinnedPiece, Rule};
 use super::fillers::Fillers;
 use crate::layer::{Cancel, LayerError};
 use crate::network::{JunctionId, Street};
 use crate::seam::APPROACH_LENGTH;
 use crate::space::{
-    cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing, segment_distance,
-    segments,
+    Seed, cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing,
+    segment_distance, segments,
 };
-use crate::style::{Filler, Style};
+use crate::style::{Filler, Style, random_rules};
 use crate::testing::{PortCell, patch_sets, styles};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,6 +17,9 @@ use std::sync::Arc;
 
 /// Cells that every filler is tried in.
 const CELLS: u64 = 200;
+
+/// Cells that every filler is tried in with random rules.
+const RANDOM: u64 = 600;
 
 fn line_distance(a: &[DVec2], b: &[DVec2]) -> f64 {
     segments(a).flat_map(|x| segments(b).map(move |y| segment_distance(x.0, x.1, y.0, y.1))).fold(f64::MAX, f64::min)
@@ -217,6 +220,109 @@ fn every_cell_keeps_every_promise() {
         let some = failures[..failures.len().min(40)].join("\n");
         assert!(failures.is_empty(), "{filler:?} has {} defects:\n{some}", failures.len());
         assert!(streets > 10 * CELLS, "{filler:?}: {streets} streets");
+    }
+}
+
+/// Streets, junctions and pairs of streets that break a rule of the cell's style, found by brute force, each with a place; the
+/// clearance only of streets that are far from each other along the network.
+fn breaks(cell: &PortCell<'_>, out: &CellStreets) -> Vec<(Rule, DVec2)> {
+    let rules = &cell.style.local;
+    let least_angle = rules.min_angle_deg.to_radians() - 0.01;
+    let mut found = Vec::new();
+    let streets: Vec<&Street> = out.streets.iter().map(|s| &s.street).collect();
+    let mut around: BTreeMap<JunctionId, Vec<(DVec2, DVec2)>> = BTreeMap::new();
+    for s in &streets {
+        let n = s.line.len();
+        around.entry(s.from).or_default().push((s.line[0], s.line[1] - s.line[0]));
+        around.entry(s.to).or_default().push((s.line[n - 1], s.line[n - 2] - s.line[n - 1]));
+        if s.length() < rules.min_length - 0.2 {
+            found.push((Rule::Length, s.line[0]));
+        }
+        for w in s.line.windows(3).filter(|w| angle_between(w[0] - w[1], w[2] - w[1]) < least_angle) {
+            found.push((Rule::Angle, w[1]));
+        }
+    }
+    for ways in around.values() {
+        if ways.len() > 2 && ways.len() > rules.degree.1 as usize {
+            found.push((Rule::Degree, ways[0].0));
+        }
+        if (0..ways.len()).any(|i| ways[..i].iter().any(|b| angle_between(ways[i].1, b.1) < least_angle)) {
+            found.push((Rule::Angle, ways[0].0));
+        }
+    }
+    // Junctions that are near each other along the streets.
+    let far = 2.5 * rules.clearance;
+    let near = |from: &Street| {
+        let mut reached: BTreeMap<JunctionId, f64> = BTreeMap::from([(from.from, 0.0), (from.to, 0.0)]);
+        for _ in 0..streets.len() {
+            for s in &streets {
+                for (a, b) in [(s.from, s.to), (s.to, s.from)] {
+                    let way = reached.get(&a).map_or(far, |d| d + s.length());
+                    if way < far && reached.get(&b).is_none_or(|d| way < *d) {
+                        reached.insert(b, way);
+                    }
+                }
+            }
+        }
+        reached
+    };
+    for (i, a) in streets.iter().enumerate() {
+        let close: Vec<_> =
+            streets[..i].iter().filter(|b| line_distance(&a.line, &b.line) < rules.clearance - 0.2).collect();
+        let reached = if close.is_empty() { BTreeMap::new() } else { near(a) };
+        for b in close.into_iter().filter(|b| !reached.contains_key(&b.from) && !reached.contains_key(&b.to)) {
+            let points = b
+                .line
+                .iter()
+                .copied()
+                .min_by(|p, q| distance_to_line(*p, &a.line).total_cmp(&distance_to_line(*q, &a.line)));
+            found.extend(points.map(|p| (Rule::Clearance, p)));
+        }
+    }
+    found
+}
+
+/// Cells of some styles whose local rules are drawn from all that they may be.
+fn with_random_rules(filler: Filler, mut each: impl FnMut(&PortCell<'_>, &CellStreets)) {
+    let (styles, fillers) = with_filler(filler);
+    for seed in 0..RANDOM {
+        let mut s = Seed(seed).stream("random rules", &[]);
+        let local = random_rules(&mut s);
+        let styles: Vec<Style> = styles.iter().map(|style| Style { local: local.clone(), ..style.clone() }).collect();
+        let cell = PortCell::new(seed + 5000, &styles);
+        each(&cell, &fill(&fillers, &cell));
+    }
+}
+
+#[test]
+fn rules_hold_whatever_they_are_but_at_ports_and_in_drawings() {
+    for filler in Filler::ALL {
+        let (mut failures, mut counts) = (Vec::new(), BTreeMap::new());
+        with_random_rules(filler, |cell, out| {
+            let rules = &cell.style.local;
+            let name = format!("cell {} of {} with {rules:?}", cell.seed, cell.style.name);
+            failures.extend(defects(cell, out).into_iter().map(|d| format!("{name}: {d}")));
+            for e in &out.exceptions {
+                *counts.entry((e.rule.name(), e.cause.name())).or_insert(0) += 1;
+                let allowed = match e.cause {
+                    // What the style wants in any case.
+                    Cause::Pin => filler == Filler::SemanticPatches && !cell.style.patches.is_empty(),
+                    Cause::Port | Cause::Drawing => matches!(e.rule, Rule::Length | Rule::Clearance),
+                    Cause::Defect => false,
+                };
+                if !allowed {
+                    failures.push(format!("{name}: {e:?}"));
+                }
+            }
+            for (rule, at) in breaks(cell, out) {
+                let known = out.exceptions.iter().any(|e| e.rule == rule && e.at.distance(at) < 2.0 * rules.clearance);
+                if !known {
+                    failures.push(format!("{name}: {rule:?} at {at} is not counted"));
+                }
+            }
+        });
+        let some = failures[..failures.len().min(12)].join("\n");
+        assert!(failures.is_empty(), "{filler:?} breaks {} rules: {counts:?}\n{some}", failures.len());
     }
 }
 

@@ -77,8 +77,8 @@ pub trait Filler: Send + Sync {
 /// Fills a main cell with local streets: a pure function of the brief and of what it was prepared with.
 ///
 /// Streets stay inside the border; no two cross or touch without a junction; every street is connected to a port; every
-/// port is met; streets that do not meet keep the style's clearance where they can, and 14 m in any case, 12 m at dead
-/// ends. The first metres of a port's street are as near to the border as its stub.
+/// port is met; the rules of the style hold but for [`CellStreets::exceptions`], and streets that do not meet keep 14 m in any
+/// case, 12 m at dead ends. The first metres of a port's street are as near to the border as its stub.
 pub trait CellFiller: Debug + Send + Sync + Weigh {
     /// Fills the cell. Fails only when it is cancelled.
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError>;
@@ -127,6 +127,75 @@ pub struct CellStreets {
     pub unmet: Vec<JunctionId>,
     /// Pinned pieces that were left out, in order.
     pub left_out: Vec<LeftOut>,
+    /// Where the streets break a rule of the style.
+    pub exceptions: Vec<Exception>,
+}
+
+/// A place where local streets break a rule of their style ([`LocalRules`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exception {
+    /// The rule.
+    pub rule: Rule,
+    /// What made it necessary.
+    pub cause: Cause,
+    /// Where, in metres, local to the town.
+    pub at: DVec2,
+}
+
+/// A rule that every local street keeps (Teng 2017, section 3.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rule {
+    /// [`LocalRules::min_angle_deg`].
+    Angle,
+    /// [`LocalRules::min_length`].
+    Length,
+    /// The greatest number of streets of [`LocalRules::degree`].
+    Degree,
+    /// [`LocalRules::clearance`].
+    Clearance,
+}
+
+impl Rule {
+    /// Every rule.
+    pub const ALL: [Self; 4] = [Self::Angle, Self::Length, Self::Degree, Self::Clearance];
+
+    /// The rule's word in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::Length => "length",
+            Self::Degree => "degree",
+            Self::Clearance => "clearance",
+        }
+    }
+}
+
+/// What makes it necessary that a rule is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cause {
+    /// A port: its street must begin there, and goes no farther than it can.
+    Port,
+    /// A pinned piece, or one that the style wants in any case.
+    Pin,
+    /// The drawing of a piece, whose streets keep their shape.
+    Drawing,
+    /// Nothing: the filler has a defect.
+    Defect,
+}
+
+impl Cause {
+    /// Every cause.
+    pub const ALL: [Self; 4] = [Self::Port, Self::Pin, Self::Drawing, Self::Defect];
+
+    /// The cause's word in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Port => "port",
+            Self::Pin => "pin",
+            Self::Drawing => "drawing",
+            Self::Defect => "defect",
+        }
+    }
 }
 
 /// A pinned piece that was left out.

@@ -21,8 +21,8 @@ mod parametric;
 mod semantic;
 
 pub use filler::{
-    CellBrief, CellFiller, CellStreets, CellToFill, Filler, LeftOut, LocalStreet, MadeBy, PinnedPiece, StreetOrigin,
-    TownToFill,
+    Cause, CellBrief, CellFiller, CellStreets, CellToFill, Exception, Filler, LeftOut, LocalStreet, MadeBy,
+    PinnedPiece, Rule, StreetOrigin, TownToFill,
 };
 pub use fillers::Fillers;
 pub use parametric::Parametric;

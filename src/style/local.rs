@@ -4,7 +4,22 @@ use super::mix::Blend;
 use crate::layer::RangeError;
 use serde::{Deserialize, Serialize};
 
-/// Growth of local streets where no patch fits (Teng 2017, Fig. 3). Lengths in metres, angles in degrees.
+/// Least length that a style may allow, in metres: junctions at both ends need the room.
+const SHORTEST: f64 = 16.0;
+
+/// Least angle that a style may allow, in degrees: kerbs of two streets need the room.
+const SHARPEST: f64 = 40.0;
+
+/// Number of streets that fit at a junction if two are at least so many degrees apart.
+fn most_streets(min_angle_deg: f64) -> u32 {
+    (360.0 / min_angle_deg + 1e-9) as u32
+}
+
+/// Local streets: growth where no patch fits (Teng 2017, Fig. 3), and the constraints of section 3.3, which hold for all that is
+/// built in a main cell: growth, patches, patterns, repair and fairing. Lengths in metres, angles in degrees.
+///
+/// Ports and pinned patches stand where they stand, and a patch keeps the short streets and narrow gaps that are drawn in it.
+/// What breaks a rule for that reason is counted ([`CellStreets::exceptions`](crate::streets::CellStreets::exceptions)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LocalRules {
@@ -12,18 +27,24 @@ pub struct LocalRules {
     pub length: f64,
     /// Greatest deviation from that length.
     pub deviation: f64,
-    /// Least length.
+    /// Least length of a street, from junction to junction or dead end: 16 to `length`.
     pub min_length: f64,
-    /// Least and greatest number of streets at a junction.
+    /// Number of streets that growth aims at in a junction, and the greatest number of streets in one: 2 to 8. So many streets at
+    /// the least angle must fit in a full turn.
     pub degree: (u32, u32),
-    /// Least angle between two streets at a junction.
+    /// Least angle between two streets at a junction, and between two parts of a street at a bend: 40 to 90. (Kerbs need
+    /// the room.)
     pub min_angle_deg: f64,
     /// Greatest deviation from the straight direction.
     pub angle_deviation_deg: f64,
     /// Distance within which an end snaps to a junction or street.
     pub snap_radius: f64,
-    /// Least distance between streets that do not meet.
+    /// Least distance between streets that do not meet, main streets included: 15 to 200. Where both lead to one place, they
+    /// come nearer: to a third of the way from one to the other, if not more.
     pub clearance: f64,
+    /// Distance that growth and patches keep from streets that they do not meet, 0 to 200, if it is greater than `clearance`: the
+    /// width of blocks. Repair keeps `clearance` alone.
+    pub block_width: f64,
     /// Share (0 to 1) of the dead ends that stay, of those that could be led on to another street.
     pub dead_ends: f64,
     /// Greatest distance from a sharp bend at which the curve begins that takes its place; bends stay sharp at 0.
@@ -40,7 +61,8 @@ impl Default for LocalRules {
             min_angle_deg: 55.0,
             angle_deviation_deg: 6.0,
             snap_radius: 25.0,
-            clearance: 26.0,
+            clearance: 20.0,
+            block_width: 45.0,
             dead_ends: 0.0,
             rounding: 0.0,
         }
@@ -53,29 +75,104 @@ impl LocalRules {
         let range = RangeError::check;
         range("length", self.length, 20.0, 500.0)?;
         range("deviation", self.deviation, 0.0, self.length / 2.0)?;
-        range("min_length", self.min_length, 10.0, self.length)?;
+        range("min_length", self.min_length, SHORTEST, self.length)?;
         RangeError::check_pair("degree", (self.degree.0.into(), self.degree.1.into()), 2.0, 8.0)?;
-        range("min_angle_deg", self.min_angle_deg, 15.0, 90.0)?;
+        range("min_angle_deg", self.min_angle_deg, SHARPEST, 90.0)?;
+        if self.degree.1 > most_streets(self.min_angle_deg) {
+            return Err(RangeError {
+                field: "degree".into(),
+                value: format!("({}, {})", self.degree.0, self.degree.1),
+                allowed: format!(
+                    "at most {} streets: a full turn has no room for more at `min_angle_deg` {}",
+                    most_streets(self.min_angle_deg),
+                    self.min_angle_deg
+                ),
+            });
+        }
         range("angle_deviation_deg", self.angle_deviation_deg, 0.0, 45.0)?;
         range("snap_radius", self.snap_radius, 5.0, 200.0)?;
         range("clearance", self.clearance, 15.0, 200.0)?;
+        range("block_width", self.block_width, 0.0, 200.0)?;
         range("dead_ends", self.dead_ends, 0.0, 1.0)?;
         range("rounding", self.rounding, 0.0, 100.0)
     }
 
-    /// The rules between `a` and `b`.
+    /// The rules between `a` and `b`. Where the least angle between leaves no room for the number of streets between, junctions
+    /// have as many as fit.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
+        let min_angle_deg = blend.number(a.min_angle_deg, b.min_angle_deg);
+        let (least, most) = blend.counts(a.degree, b.degree);
+        let fit = most_streets(min_angle_deg);
         Self {
             length: blend.number(a.length, b.length),
             deviation: blend.number(a.deviation, b.deviation),
             min_length: blend.number(a.min_length, b.min_length),
-            degree: blend.counts(a.degree, b.degree),
-            min_angle_deg: blend.number(a.min_angle_deg, b.min_angle_deg),
+            degree: (least.min(fit), most.min(fit)),
+            min_angle_deg,
             angle_deviation_deg: blend.number(a.angle_deviation_deg, b.angle_deviation_deg),
             snap_radius: blend.number(a.snap_radius, b.snap_radius),
             clearance: blend.number(a.clearance, b.clearance),
+            block_width: blend.number(a.block_width, b.block_width),
             dead_ends: blend.number(a.dead_ends, b.dead_ends),
             rounding: blend.number(a.rounding, b.rounding),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::space::{Seed, Stream};
+    use crate::style::Style;
+
+    /// Rules of which every value is drawn from its range.
+    pub fn random_rules(s: &mut Stream) -> LocalRules {
+        let length = s.range(20.0, 250.0);
+        let min_angle_deg = s.range(SHARPEST, 90.0);
+        let most = 2 + s.index(most_streets(min_angle_deg).min(8) as usize - 1) as u32;
+        let rules = LocalRules {
+            length,
+            deviation: s.range(0.0, length / 2.0),
+            min_length: s.range(SHORTEST, length),
+            degree: (2 + s.index(most as usize - 1) as u32, most),
+            min_angle_deg,
+            angle_deviation_deg: s.range(0.0, 45.0),
+            snap_radius: s.range(5.0, 200.0),
+            clearance: s.range(15.0, 120.0),
+            block_width: s.range(0.0, 120.0),
+            dead_ends: s.unit(),
+            rounding: s.range(0.0, 60.0),
+        };
+        assert_eq!(rules.check(), Ok(()));
+        rules
+    }
+
+    fn error(local: &str) -> String {
+        Style::from_ron("s.ron", &format!("(\n  local: (\n    {local},\n  ),\n)")).expect_err(local).to_string()
+    }
+
+    #[test]
+    fn rules_that_cannot_hold_are_refused_where_they_stand() {
+        let crowded = error("min_angle_deg: 70, degree: (3, 6)");
+        assert!(
+            crowded.contains(":3:") && crowded.contains("at most 5 streets") && crowded.contains("70"),
+            "{crowded}"
+        );
+        assert!(error("min_angle_deg: 25").contains("40 to 90"));
+        assert!(error("min_length: 12").contains("16 to"));
+        assert!(error("clearance: 9").contains("15 to 200"));
+        for good in ["min_angle_deg: 90, degree: (4, 4)", "min_angle_deg: 45, degree: (2, 8)", "degree: (2, 2)"] {
+            assert!(Style::from_ron("s.ron", &format!("(local: ({good}))")).is_ok(), "{good}");
+        }
+    }
+
+    #[test]
+    fn mixtures_of_valid_rules_are_valid() {
+        let mut s = Seed(5).stream("test", &[]);
+        for _ in 0..500 {
+            let (a, b) = (random_rules(&mut s), random_rules(&mut s));
+            let t = s.unit();
+            assert_eq!(LocalRules::mix(&a, &b, &mut Blend::new(t, &mut s)).check(), Ok(()), "{a:?} {b:?} {t}");
         }
     }
 }

@@ -10,13 +10,17 @@ mod main_streets;
 mod mix;
 mod parcel;
 mod seam;
+mod start;
 
 pub use filler::{Filler, PatchCount};
 pub use fringe::FringeRules;
 pub use local::LocalRules;
+#[cfg(test)]
+pub(crate) use local::tests::random_rules;
 pub use main_streets::{FieldKind, MainRules};
 pub use parcel::ParcelRules;
 pub use seam::SeamRules;
+pub use start::StartRules;
 
 use crate::layer::{FileError, RangeError, from_ron};
 use crate::space::Stream;
@@ -46,6 +50,8 @@ pub struct Style {
     pub exclude: Vec<String>,
     /// How often single patches are used.
     pub patches: Vec<PatchCount>,
+    /// How main cells are begun with patches and patterns.
+    pub start: StartRules,
     /// The style that takes over towards the outline; none if not given.
     pub fringe: Option<FringeRules>,
     /// Lots and buildings.
@@ -74,6 +80,7 @@ impl Style {
         self.local.check().map_err(|e| e.within("local"))?;
         self.parcels.check().map_err(|e| e.within("parcels"))?;
         self.patches.iter().try_for_each(PatchCount::check).map_err(|e| e.within("patches"))?;
+        self.start.check().map_err(|e| e.within("start"))?;
         self.fringe.as_ref().map_or(Ok(()), FringeRules::check).map_err(|e| e.within("fringe"))
     }
 
@@ -96,6 +103,7 @@ impl Style {
             allow: nearer.allow.clone(),
             exclude: nearer.exclude.clone(),
             patches: Vec::new(),
+            start: StartRules::mix(&a.start, &b.start, &mut blend),
             fringe: None,
             parcels: ParcelRules::mix(&a.parcels, &b.parcels, &mut blend),
         }

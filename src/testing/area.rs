@@ -116,6 +116,7 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
         settlements: vec![Arc::new(settlement)],
         outlines: vec![outline.clone()],
         unmet_ports: 0,
+        exceptions: Vec::new(),
     };
     AreaCase { area, outlines: vec![outline], terrain: Hills(origin.plan()) }
 }

@@ -6,6 +6,7 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::region::{Outline, Settlement};
 use crate::space::{Bounds, ChunkCoord, Origin};
 use crate::stack::{PlacedStreet, Stack, owner_of, street_owner};
+use crate::streets::Exception;
 use std::sync::Arc;
 
 /// A thing and the chunk that owns it.
@@ -40,6 +41,8 @@ pub struct Area {
     pub outlines: Vec<Arc<Outline>>,
     /// Number of unmet ports in the main cells that overlap the box.
     pub unmet_ports: usize,
+    /// Where the streets of these cells break a rule of their style.
+    pub exceptions: Vec<Exception>,
 }
 
 impl Area {
@@ -56,6 +59,7 @@ impl Area {
             settlements: Vec::new(),
             outlines: Vec::new(),
             unmet_ports: 0,
+            exceptions: Vec::new(),
         }
     }
 
@@ -76,7 +80,9 @@ impl Area {
             cancel.check()?;
             let (from, offset) = (town.town.origin, town.town.origin.offset_to(origin));
             let chunk = owner_of(from, town.town.cells[cell].anchor, size);
-            area.unmet_ports += stack.streets(&town, cell, cancel)?.unmet.len();
+            let streets = stack.streets(&town, cell, cancel)?;
+            area.unmet_ports += streets.unmet.len();
+            area.exceptions.extend(streets.exceptions.iter().map(|e| Exception { at: e.at + offset, ..*e }));
             let parcels = stack.parcels(&town, cell, cancel)?;
             area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, item: b.moved(offset) }));
             area.lots.extend(parcels.lots.iter().map(|l| Owned { chunk, item: l.moved(offset) }));

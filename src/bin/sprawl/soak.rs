@@ -4,10 +4,11 @@
 use crate::common::{Common, Flag};
 use crate::fail::Fail;
 use crate::random_edits;
+use crate::stats::{exceptions_json, exceptions_line};
 use crate::towns;
 use crate::values::seed_range;
 use crate::work;
-use bevy_sprawl::analysis::{audit, unreached_gates};
+use bevy_sprawl::analysis::{Exceptions, audit, exceptions, unreached_gates};
 use bevy_sprawl::edits::SettlementEdit;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::network::JunctionId;
@@ -199,11 +200,17 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
     })?;
     let (mut findings, mut people) = (Vec::new(), String::new());
     let mut of: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let mut excepted: BTreeMap<&str, (usize, Exceptions)> = BTreeMap::new();
     let (mut streets, mut buildings) = (0, 0);
     for (seed, style, size, radius, city) in checked.iter().flatten() {
         *of.entry((styles[*style], size.name())).or_default() += 1;
         streets += city.streets;
         buildings += city.buildings;
+        let (of_style, counted) = excepted.entry(styles[*style]).or_default();
+        *of_style += city.streets;
+        for (kind, count) in &city.exceptions {
+            *counted.entry(*kind).or_default() += count;
+        }
         for (what, at) in &city.findings {
             let style = styles[*style];
             findings
@@ -217,10 +224,19 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
     for ((style, size), n) in &of {
         let _ = writeln!(people, "{style:12} {size:8} {n:6}");
     }
+    let exceptions: serde_json::Map<String, Value> = excepted
+        .iter()
+        .map(|(style, (streets, counted))| {
+            let counted = exceptions_json(counted);
+            let _ = writeln!(people, "{style:12} exceptions in {streets} streets: {}", exceptions_line(&counted));
+            (style.to_string(), json!({ "streets": streets, "exceptions": counted }))
+        })
+        .collect();
     let _ = writeln!(people, "{found} towns, {streets} streets, {buildings} buildings: {} findings", findings.len());
     let count = findings.len();
     let report = json!({
-        "towns": found, "kinds": kinds, "streets": streets, "buildings": buildings, "findings": findings,
+        "towns": found, "kinds": kinds, "streets": streets, "buildings": buildings, "exceptions": exceptions,
+        "findings": findings,
     });
     work::print(common, &report, &people)?;
     match count {
@@ -239,6 +255,8 @@ struct City {
     /// Roads at each way point.
     way_points: Vec<usize>,
     findings: Vec<(String, DVec2)>,
+    /// Where streets break a rule of their style.
+    exceptions: Exceptions,
 }
 
 /// The city nearest to the origin.
@@ -311,5 +329,6 @@ fn check(world: &World, city: &Arc<Settlement>) -> Result<City, LayerError> {
         let gates = unreached_gates(&area, outline.origin, &outline.polygon);
         findings.extend(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))));
     }
-    Ok(City { streets: area.streets.len(), buildings: area.footprints.len(), findings, ..City::default() })
+    let (streets, buildings) = (area.streets.len(), area.footprints.len());
+    Ok(City { streets, buildings, findings, exceptions: exceptions(&area), ..City::default() })
 }

@@ -4,7 +4,7 @@ use crate::common::{At, Common};
 use crate::fail::Fail;
 use crate::values::size;
 use crate::work;
-use bevy_sprawl::analysis::measure;
+use bevy_sprawl::analysis::{Exceptions, exceptions, measure};
 use bevy_sprawl::chunk::Ground;
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::mesh::{self, Detail};
@@ -50,6 +50,8 @@ pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {
 /// - `components` takes streets that leave the square as joined outside it; `components_in_square` does not.
 /// - Blocks and buildings count if their centroid is in the square. `building_cover` is the area of buildings over the area
 ///   of blocks, parks included; `building_cover_of_square` is the area of buildings over the area of the square.
+/// - `exceptions` counts where local streets break a rule of their style, by rule and then by cause: a port, a pinned patch, the
+///   drawing of a patch, or none (a defect).
 /// - `crossings_without_junction` concerns all streets that overlap the square.
 fn figures(area: &Area) -> Map<String, Value> {
     let square = area.bounds.moved(-area.origin.plan());
@@ -104,6 +106,7 @@ fn figures(area: &Area) -> Map<String, Value> {
         "components": components,
         "components_in_square": alone,
         "unmet_ports": area.unmet_ports,
+        "exceptions": exceptions_json(&exceptions(area)),
         "crossings_without_junction": crossings(&all.streets.iter().collect::<Vec<_>>()).len(),
         "buildings": buildings.len(),
         "building_cover": if blocks_area > 0.0 { built / blocks_area } else { 0.0 },
@@ -113,6 +116,26 @@ fn figures(area: &Area) -> Map<String, Value> {
         Value::Object(map) => map,
         _ => Map::new(),
     }
+}
+
+/// Exceptions as an object of rules, each an object of causes and counts.
+pub fn exceptions_json(counted: &Exceptions) -> Value {
+    let mut out = Map::new();
+    for ((rule, cause), count) in counted {
+        let of_rule = out.entry(rule.name()).or_insert_with(|| json!({}));
+        of_rule[cause.name()] = json!(count);
+    }
+    Value::Object(out)
+}
+
+/// Exceptions in words, such as `length/port: 3`.
+pub fn exceptions_line(exceptions: &Value) -> String {
+    let of_rule = |(rule, causes): (&String, &Value)| {
+        let part = |(cause, count): (&String, &Value)| format!("{rule}/{cause}: {count}");
+        causes.as_object().into_iter().flatten().map(part).collect::<Vec<_>>()
+    };
+    let parts: Vec<String> = exceptions.as_object().into_iter().flatten().flat_map(of_rule).collect();
+    if parts.is_empty() { "none".into() } else { parts.join("  ") }
 }
 
 /// Median of sorted values; 0 without values.
@@ -247,6 +270,7 @@ fn lines(report: &Value) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{title:27}{:>12} {unit}", number(&report[key]));
     }
+    let _ = writeln!(out, "{:27} {}", "exceptions to rules", exceptions_line(&report["exceptions"]));
     for (key, row) in [("degree", "junctions by degree"), ("timing_ms", "ms, one thread")] {
         let parts = report[key].as_object().into_iter().flatten().map(|(k, v)| format!("{k}: {v}"));
         let _ = writeln!(out, "{row:27} {}", parts.collect::<Vec<_>>().join("  "));
@@ -285,6 +309,7 @@ mod tests {
             settlements: Vec::new(),
             outlines: Vec::new(),
             unmet_ports: 0,
+            exceptions: Vec::new(),
         }
     }
 

@@ -32,6 +32,15 @@ pub enum Maker {
     Piece(u32),
 }
 
+/// What an edge is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// What it was made with.
+    pub by: Maker,
+    /// Number of the proposal that it was built with; all edges of a piece that was laid have the same.
+    pub build: u32,
+}
+
 /// What a filler knows of a vertex besides its position.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Node {
@@ -43,6 +52,15 @@ pub struct Node {
     pub wanted_degree: usize,
     /// Whether the vertex belongs to a pinned piece, from which nothing may be removed.
     pub pinned: bool,
+    /// Whether the vertex lies on a curve of a piece, which keeps its shape.
+    pub shaped: bool,
+}
+
+impl Node {
+    /// Whether the vertex stays where it is, whatever fairing and rounding would like.
+    pub fn is_fixed(&self) -> bool {
+        self.pinned || self.shaped
+    }
 }
 
 /// The place where an edge was divided.
@@ -58,7 +76,7 @@ struct Division {
 /// The growing graph of a cell.
 pub struct Canvas {
     /// Local streets.
-    pub graph: PlanarGraph<Maker>,
+    pub graph: PlanarGraph<Made>,
     /// What is known of each vertex, by index.
     pub nodes: Vec<Node>,
     /// Free room around every point.
@@ -71,10 +89,14 @@ pub struct Canvas {
     squares: Squares,
     /// Number of walls.
     walls: usize,
+    /// Length of the diagonal of its bounding box, in metres.
+    size: f64,
     /// For each edge, where it was divided.
     divisions: Vec<Option<Division>>,
     /// Whether the coarse grid knows the streets at the ports.
     knows_stubs: bool,
+    /// Number of proposals that were built, stubs included.
+    builds: u32,
     origin: DVec2,
 }
 
@@ -101,11 +123,13 @@ impl Canvas {
             nodes: Vec::with_capacity(USUAL),
             free,
             walls: obstacles.len(),
+            size: bounds.size().length(),
             obstacles: Vec::with_capacity(USUAL),
             bands: Bands::new(bounds),
             squares: Squares::new(bounds),
             divisions: Vec::with_capacity(USUAL),
             knows_stubs: false,
+            builds: 0,
             origin,
         };
         obstacles.into_iter().enumerate().for_each(|(i, w)| canvas.put(i, w));
@@ -113,6 +137,11 @@ impl Canvas {
             canvas.add_vertex(port.at, Node { port: Some(i), wanted_degree: 1, ..Node::default() });
         }
         canvas
+    }
+
+    /// Length of the diagonal of the cell's bounding box, in metres.
+    pub fn size(&self) -> f64 {
+        self.size
     }
 
     /// Adds a vertex.
@@ -123,7 +152,8 @@ impl Canvas {
 
     /// Adds the stub of a port. The coarse grid learns of stubs in [`stamp_stubs`](Self::stamp_stubs).
     pub fn add_stub(&mut self, port: VertexIx, end: VertexIx) {
-        self.graph.add_edge(port, end, Maker::Growth);
+        self.builds += 1;
+        self.graph.add_edge(port, end, Made { by: Maker::Growth, build: self.builds });
         self.index_edges();
     }
 
@@ -154,15 +184,14 @@ impl Canvas {
     }
 
     /// Adds an edge.
-    pub fn add_edge(&mut self, a: VertexIx, b: VertexIx, made_by: Maker) {
-        self.graph.add_edge(a, b, made_by);
-        self.index_edges();
+    fn add_edge(&mut self, a: VertexIx, b: VertexIx, made: Made) {
+        self.add_last_edge(a, b, made);
         self.free.stamp(self.obstacles.len() - 1, self.graph.at(a), self.graph.at(b));
     }
 
     /// Adds an edge when the coarse grid is no longer needed.
-    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made_by: Maker) {
-        self.graph.add_edge(a, b, made_by);
+    pub fn add_last_edge(&mut self, a: VertexIx, b: VertexIx, made: Made) {
+        self.graph.add_edge(a, b, made);
         self.index_edges();
     }
 
@@ -180,7 +209,8 @@ impl Canvas {
         let p = quantize(p);
         let edge = if self.graph.is_live(edge) { edge } else { self.graph.nearest_edge(p, 0.5, |_| false)?.0 };
         let ends = self.graph.edge(edge).clone();
-        let pinned = [ends.a, ends.b].into_iter().all(|v| self.nodes[v as usize].pinned);
+        let both = |is: fn(&Node) -> bool| [ends.a, ends.b].into_iter().all(|v| is(&self.nodes[v as usize]));
+        let (pinned, shaped) = (both(|n| n.pinned), both(|n| n.shaped));
         let along = self.graph.at(ends.b) - self.graph.at(ends.a);
         let first = self.graph.edge_count() as EdgeIx;
         let v = self.graph.split_edge(edge, p);
@@ -189,7 +219,7 @@ impl Canvas {
         }
         self.index_edges();
         while self.nodes.len() < self.graph.vertex_count() {
-            self.nodes.push(Node { open: true, pinned, ..Node::default() });
+            self.nodes.push(Node { open: true, pinned, shaped, ..Node::default() });
         }
         Some(v)
     }
@@ -354,7 +384,8 @@ impl Canvas {
     /// Builds a proposal that passed the check; `vertices` receives the vertex of each of its points.
     pub fn build(&mut self, p: &Proposal, made_by: Maker, vertices: &mut Vec<VertexIx>) {
         vertices.clear();
-        for (at, join) in p.points.iter().zip(&p.joins) {
+        self.builds += 1;
+        for ((at, join), shaped) in p.points.iter().zip(&p.joins).zip(&p.shaped) {
             let v = match *join {
                 Join::At(v) => Some(v),
                 Join::On(e) => self.split_edge(e, *at),
@@ -362,10 +393,11 @@ impl Canvas {
             };
             let open = !matches!(join, Join::Free(false));
             let v = v.unwrap_or_else(|| self.add_vertex(*at, Node { open, ..Node::default() }));
+            self.nodes[v as usize].shaped |= *shaped;
             vertices.push(v);
         }
         for (a, b) in &p.edges {
-            self.add_edge(vertices[*a], vertices[*b], made_by);
+            self.add_edge(vertices[*a], vertices[*b], Made { by: made_by, build: self.builds });
         }
     }
 
@@ -379,12 +411,12 @@ impl Canvas {
     pub fn maker(&self, chain: &[(EdgeIx, bool)]) -> Maker {
         let g = &self.graph;
         if let [(e, _)] = chain {
-            return g.edge(*e).data;
+            return g.edge(*e).data.by;
         }
         let mut shares: Vec<(Maker, f64)> = Vec::new();
         for (e, _) in chain {
             let (a, b) = g.segment(*e);
-            let (made_by, length) = (g.edge(*e).data, a.distance(b));
+            let (made_by, length) = (g.edge(*e).data.by, a.distance(b));
             match shares.iter_mut().find(|s| s.0 == made_by) {
                 Some(s) => s.1 += length,
                 None => shares.push((made_by, length)),
@@ -392,5 +424,17 @@ impl Canvas {
         }
         let best = shares.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
         best.map_or(Maker::Growth, |b| b.0)
+    }
+
+    /// What a street is of, if all of it was built at once; else what made the greatest part of it, as a build of its own.
+    pub fn made(&mut self, chain: &[(EdgeIx, bool)]) -> Made {
+        let mut made = chain.iter().map(|(e, _)| self.graph.edge(*e).data);
+        match made.next() {
+            Some(first) if made.all(|m| m == first) => first,
+            _ => {
+                self.builds += 1;
+                Made { by: self.maker(chain), build: self.builds }
+            }
+        }
     }
 }

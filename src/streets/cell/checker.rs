@@ -5,8 +5,8 @@ use super::canvas::Canvas;
 use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
 use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest, nearest_pairs};
 use super::proposal::{Join, Proposal};
-use super::rules::Limits;
-use crate::network::{STREET_FLOOR, VertexIx};
+use super::rules::{Limits, NEAR_ALONG, WEDGE};
+use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
 use crate::seam::APPROACH_LENGTH;
 use crate::space::segment_crossing;
 use glam::DVec2;
@@ -14,12 +14,8 @@ use glam::DVec2;
 /// Least distance of a dead end from any street that it does not join, in metres.
 pub const DEAD_END_FLOOR: f64 = 13.0;
 
-/// Distance at which a street may pass a loose end that can still be connected to it, in metres: room for the shortest
-/// street.
-const TIP_GAP: f64 = 19.0;
-
-/// Least ratio of the distance between two streets to their distance along the network, where that distance is short.
-pub const WEDGE: f64 = 0.5;
+/// Distance between the points of a street that are tested besides those at which it is nearest to another, in metres.
+pub const BETWEEN: f64 = 6.0;
 
 /// Tolerance in metres, larger than the rounding errors of distances.
 const ROUNDING: f64 = 1e-6;
@@ -30,8 +26,19 @@ struct Doubt {
     obstacle: usize,
     q: DVec2,
     r: DVec2,
-    loose: bool,
+    kind: PointKind,
     distance: f64,
+}
+
+/// What the nearest point of an obstacle is near to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PointKind {
+    /// A point of a street.
+    Plain,
+    /// A dead end.
+    LooseEnd,
+    /// A point between those at which streets are nearest to each other.
+    Between,
 }
 
 /// Checks proposals, and keeps its buffers from one proposal to the next.
@@ -61,7 +68,7 @@ impl Checker {
             && self
                 .doubts
                 .iter()
-                .all(|d| d.distance >= self.needed(d.index, &near.obstacles[d.obstacle], d.q, d.r, d.loose, limits))
+                .all(|d| d.distance >= self.needed(d.index, &near.obstacles[d.obstacle], d.q, d.r, d.kind, limits))
     }
 
     /// Finds the joints. False if one of them breaks a rule.
@@ -90,7 +97,10 @@ impl Checker {
                 Join::Free(_) => (NONE, NONE),
             };
             let same = |k: &Joint| {
-                (joint.vertex != NONE && joint.vertex == k.vertex) || joint.at.distance(k.at) < limits.min_piece
+                let apart = joint.at.distance(k.at);
+                (joint.vertex != NONE && joint.vertex == k.vertex)
+                    || apart < STREET_FLOOR
+                    || apart < limits.min_piece && on_one_street(canvas, &joint, k)
             };
             let fits = !self.joints.iter().any(same) && self.joint_fits(canvas, p, &mut joint, limits);
             self.joints.push(joint);
@@ -105,9 +115,12 @@ impl Checker {
     /// way around a block is too short.
     fn joints_keep_ways(&mut self, canvas: &Canvas, p: &Proposal, near: &Neighbourhood, limits: &Limits) -> bool {
         // Of a way to what is too near as the crow flies no more than makes it far enough.
-        let enough =
-            |d: &Doubt| if near.obstacles[d.obstacle].is_wall() { limits.wall_gap.max(30.0) } else { limits.gap };
-        let gaps = self.doubts.iter().map(enough).fold(0.0, f64::max) / WEDGE;
+        let enough = |d: &Doubt| match d.kind {
+            PointKind::Between => limits.clearance * NEAR_ALONG,
+            _ if near.obstacles[d.obstacle].is_wall() => limits.wall_gap.max(30.0) / WEDGE,
+            _ => limits.gap / WEDGE,
+        };
+        let gaps = self.doubts.iter().map(enough).fold(0.0, f64::max);
         // Of a way around a block the part along the network may be no longer than what the proposal leaves of it.
         let pairs = self.joints.iter().enumerate().flat_map(|(i, j)| self.joints[..i].iter().map(move |k| (j, k)));
         let through = pairs.map(|(j, k)| j.at.distance(k.at)).fold(f64::INFINITY, f64::min);
@@ -159,6 +172,13 @@ impl Checker {
                 break;
             }
         }
+        // A street that goes on from the end of another is as long as both.
+        let behind = |point: usize| match p.joins[point] {
+            Join::At(v) if canvas.is_dead_end(v) => canvas.follow(v, g.edges_at(v)[0], |_| {}).1,
+            _ => 0.0,
+        };
+        let may_go_on = self.degrees[at] == 1 && !matches!(p.joins[at], Join::Free(false));
+        length += behind(at);
         let piece = |length: f64| length >= limits.min_piece;
         if !joint_angle_fits(canvas, p.joins[joint.point], joint.at, direction, limits) {
             return false;
@@ -170,9 +190,10 @@ impl Checker {
                 joint.is_port = true;
                 return piece(length);
             }
-            degree == 1
-                || (piece(length)
-                    && (degree > 2 || g.edges_at(v).iter().all(|e| piece(canvas.follow(v, *e, |_| {}).1))))
+            if degree == 1 {
+                return may_go_on || piece(length + behind(joint.point));
+            }
+            piece(length) && (degree > 2 || g.edges_at(v).iter().all(|e| piece(canvas.follow(v, *e, |_| {}).1)))
         } else {
             let e = g.edge(joint.edge);
             piece(length)
@@ -338,29 +359,42 @@ impl Checker {
                 return false;
             }
             let loose = [open_a, open_b, dead(s.va), dead(s.vb)];
+            let mut nearest_at = f64::INFINITY;
             for ((q, r), loose) in nearest_pairs((a, b), (s.a, s.b)).into_iter().zip(loose) {
                 if q.distance_squared(r) > far {
                     continue;
                 }
                 let distance = q.distance(r);
+                nearest_at = nearest_at.min(distance);
                 // A street may pass a loose end that can be led into it.
-                if distance >= widest || (distance >= TIP_GAP.min(limits.gap) && tip(r)) {
+                if distance >= widest || (distance >= limits.tip_gap && tip(r)) {
                     continue;
                 }
-                if distance >= surely_enough(s, loose, limits) {
+                let kind = if loose { PointKind::LooseEnd } else { PointKind::Plain };
+                if distance >= surely_enough(s, kind, limits) {
                     continue;
                 }
-                if distance < self.surely_needed(index, s, q, r, loose, limits) - ROUNDING {
+                if distance < self.surely_needed(index, s, q, r, kind, limits) - ROUNDING {
                     return false;
                 }
-                doubts.push(Doubt { index, obstacle, q, r, loose, distance });
+                doubts.push(Doubt { index, obstacle, q, r, kind, distance });
+            }
+            // What is near at one end, near to where both lead, may be too near beyond.
+            let parts = if nearest_at < limits.clearance { (length / BETWEEN).ceil() as usize } else { 0 };
+            for k in 1..parts {
+                let q = a + step * (k as f64 / parts as f64);
+                let r = nearest(q, s.a, s.b);
+                let distance = q.distance(r);
+                if distance < limits.clearance {
+                    doubts.push(Doubt { index, obstacle, q, r, kind: PointKind::Between, distance });
+                }
             }
         }
         true
     }
 
     /// A lower bound of [`needed`](Self::needed): distances along the network are at least straight distances.
-    fn surely_needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+    fn surely_needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, kind: PointKind, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let mut from_port = false;
         for (k, joint) in self.joints.iter().enumerate() {
@@ -375,11 +409,11 @@ impl Checker {
         let loosely = if s.is_wall() { from_port } else { self.roots[index] != 0 };
         let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
         let needed = base.min(WEDGE * along).max(if loosely { 0.0 } else { floor });
-        if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
+        needed.max(least_at(s, kind))
     }
 
     /// Distance in metres that the point `q` of the proposal's edge `index` must keep from the point `r` of an obstacle.
-    fn needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, loose: bool, limits: &Limits) -> f64 {
+    fn needed(&self, index: usize, s: &Obstacle, q: DVec2, r: DVec2, kind: PointKind, limits: &Limits) -> f64 {
         let mut along = f64::INFINITY;
         let (mut shared, mut from_port) = (false, false);
         for (k, joint) in self.joints.iter().enumerate() {
@@ -392,6 +426,9 @@ impl Checker {
             shared |= root && joint.shared.contains(&s.edge);
             from_port |= root && joint.is_port && away < APPROACH_LENGTH;
         }
+        if kind == PointKind::Between {
+            return limits.clearance.min(along / NEAR_ALONG);
+        }
         let base = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap };
         let mut needed = base.min(WEDGE * along);
         if s.is_wall() {
@@ -401,40 +438,65 @@ impl Checker {
         } else if !shared {
             needed = needed.max(STREET_FLOOR);
         }
-        if loose { needed.max(if s.is_wall() { s.floor } else { DEAD_END_FLOOR }) } else { needed }
+        needed.max(least_at(s, kind))
+    }
+}
+
+/// Distance in metres that is kept at a point in any case.
+fn least_at(s: &Obstacle, kind: PointKind) -> f64 {
+    match kind {
+        PointKind::LooseEnd if s.is_wall() => s.floor,
+        PointKind::LooseEnd => DEAD_END_FLOOR,
+        PointKind::Plain | PointKind::Between => 0.0,
     }
 }
 
 /// An upper bound of [`Checker::needed`]: the distance that streets keep if they are far apart along the network.
-fn surely_enough(s: &Obstacle, loose: bool, limits: &Limits) -> f64 {
+fn surely_enough(s: &Obstacle, kind: PointKind, limits: &Limits) -> f64 {
     let enough = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap.max(STREET_FLOOR) };
-    if loose { enough.max(DEAD_END_FLOOR) } else { enough }
+    enough.max(least_at(s, kind))
+}
+
+/// Whether two joints lie on one street, which they divide.
+fn on_one_street(canvas: &Canvas, a: &Joint, b: &Joint) -> bool {
+    let mut edges = Vec::new();
+    street_edges(canvas, a, &mut edges);
+    edges.contains(&b.edge) || b.vertex != NONE && canvas.graph.edges_at(b.vertex).iter().any(|e| edges.contains(e))
+}
+
+/// Adds the edges of the streets that a joint lies on.
+fn street_edges(canvas: &Canvas, joint: &Joint, edges: &mut Vec<EdgeIx>) {
+    let g = &canvas.graph;
+    if joint.vertex != NONE {
+        for &e in g.edges_at(joint.vertex) {
+            canvas.follow(joint.vertex, e, |x| edges.push(x));
+        }
+        return;
+    }
+    let e = g.edge(joint.edge);
+    edges.push(joint.edge);
+    for end in [e.a, e.b].into_iter().filter(|end| !canvas.is_end(*end)) {
+        for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
+            canvas.follow(end, next, |x| edges.push(x));
+        }
+    }
 }
 
 /// Finds the edges of the street that a joint lies on, and of the streets that it meets at the ends from which the proposal
 /// goes on.
 fn find_shared(canvas: &Canvas, joint: &mut Joint) {
     let g = &canvas.graph;
-    joint.shared.clear();
-    if joint.vertex != NONE {
-        for &e in g.edges_at(joint.vertex) {
-            let (end, _) = canvas.follow(joint.vertex, e, |x| joint.shared.push(x));
-            if g.degree(joint.vertex) == 1 {
-                // The proposal goes on with this street, and so meets what meets it at its other end.
-                for &other in g.edges_at(end) {
-                    canvas.follow(end, other, |x| joint.shared.push(x));
-                }
-            }
-        }
-    } else {
-        let e = g.edge(joint.edge);
-        joint.shared.push(joint.edge);
-        for end in [e.a, e.b].into_iter().filter(|end| !canvas.is_end(*end)) {
-            for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
-                canvas.follow(end, next, |x| joint.shared.push(x));
-            }
+    let mut shared = std::mem::take(&mut joint.shared);
+    shared.clear();
+    street_edges(canvas, joint, &mut shared);
+    if joint.vertex != NONE && g.degree(joint.vertex) == 1 {
+        // The proposal goes on with this street, and so meets what meets it at its other end.
+        let (end, _) = canvas.follow(joint.vertex, g.edges_at(joint.vertex)[0], |_| {});
+        for &other in g.edges_at(end) {
+            canvas.follow(end, other, |x| shared.push(x));
         }
     }
+    joint.shared = shared;
 }
 
 fn loose_end_near(end: DVec2, s: &Obstacle) -> bool {

@@ -1,12 +1,11 @@
 //! Division: a street is laid across every block that is much larger than the style asks.
 
-use super::checker::WEDGE;
 use super::draft::Draft;
 use super::free_grid::FreeGrid;
 use super::mend::{Mend, build_best, landing, off_by};
 use super::obstacle::{NONE, Obstacle};
 use super::proposal::Join;
-use super::rules::Limits;
+use super::rules::{Limits, WEDGE};
 use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
 use crate::space::{
     Bounds, centroid,

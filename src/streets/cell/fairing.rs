@@ -54,10 +54,10 @@ impl Fairing<'_> {
             let (from, to) = (vertices[0], vertices[vertices.len() - 1]);
             let g = &self.refit.canvas.graph;
             let (a, b) = (g.at(from), g.at(to));
-            let near = |v: &VertexIx| {
-                distance_to_segment(g.at(*v), a, b) <= self.dogleg && !self.refit.canvas.nodes[*v as usize].pinned
-            };
-            if from == to || !vertices.iter().all(near) {
+            let near = |v: &VertexIx| distance_to_segment(g.at(*v), a, b) <= self.dogleg;
+            let inner = &vertices[1..vertices.len() - 1];
+            let fixed = |v: &VertexIx| self.refit.canvas.nodes[*v as usize].is_fixed();
+            if from == to || !inner.iter().all(near) || inner.iter().any(fixed) {
                 continue;
             }
             let edges: Vec<EdgeIx> = chain.iter().map(|(e, _)| *e).collect();
@@ -68,11 +68,11 @@ impl Fairing<'_> {
                 && self.refit.keeps_way(line.length(), length, line.length())
                 && self.refit.lines_fit(&[line], &edges)
             {
-                let made_by = self.refit.canvas.maker(&chain);
+                let made = self.refit.canvas.made(&chain);
                 for edge in edges {
                     self.refit.canvas.graph.remove_edge(edge);
                 }
-                self.refit.canvas.add_last_edge(from, to, made_by);
+                self.refit.canvas.add_last_edge(from, to, made);
             }
         }
     }
@@ -145,7 +145,9 @@ impl Fairing<'_> {
     fn straight_on(&self, v: VertexIx, places: &[DVec2]) -> Option<DVec2> {
         let node = self.refit.canvas.nodes[v as usize];
         let g = &self.refit.canvas.graph;
-        if g.degree(v) < 3 || node.port.is_some() || node.pinned {
+        // The end of a curve belongs to its shape.
+        let ends_curve = || g.neighbours(v).any(|w| g.degree(w) == 2 && self.refit.canvas.nodes[w as usize].shaped);
+        if g.degree(v) < 3 || node.port.is_some() || node.is_fixed() || ends_curve() {
             return None;
         }
         let at = places[v as usize];

@@ -32,9 +32,16 @@ pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
         let components = draft.canvas.graph.components();
         let Some(anchor) = anchors.iter().find(|v| floats(draft, &components, **v)) else { return };
         let part = components[*anchor as usize];
-        let limits = [draft.rules.repair, draft.rules.closest];
-        if !limits.iter().any(|limits| connect_part(draft, &components, part, limits)) {
+        let (rules, closest) = (draft.rules.repair, draft.rules.closest);
+        if connect_part(draft, &components, part, &rules) {
+            continue;
+        }
+        if !connect_part(draft, &components, part, &closest) {
             return;
+        }
+        // What breaks a rule here does so for the sake of the pinned piece.
+        for v in &draft.trial.built {
+            draft.canvas.nodes[*v as usize].pinned = true;
         }
     }
 }

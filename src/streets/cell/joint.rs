@@ -84,7 +84,7 @@ pub fn joint_angle_fits(canvas: &Canvas, join: Join, at: DVec2, direction: DVec2
         }
         Join::On(e) => {
             let e = g.edge(e);
-            [e.a, e.b].into_iter().all(|end| turns(g.at(end) - at, limits.junction_cosine))
+            limits.max_degree > 2 && [e.a, e.b].into_iter().all(|end| turns(g.at(end) - at, limits.junction_cosine))
         }
         Join::Free(_) => true,
     }

@@ -2,6 +2,7 @@
 
 use super::canvas::Maker;
 use super::draft::Draft;
+use super::exceptions::{Finished, exceptions};
 use super::rounding::rounded;
 use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
 use crate::space::QUANTUM;
@@ -49,10 +50,12 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
     if any {
         chains = g.chains(is_end);
     }
+    let mut finished = Vec::with_capacity(chains.len());
+    let mut lines = Vec::with_capacity(chains.len());
     for chain in chains {
         let vertices = g.chain_vertices(&chain);
         let line: Vec<DVec2> = vertices.iter().map(|v| g.at(*v)).collect();
-        let (from, to) = (name(vertices[0]), name(vertices[vertices.len() - 1]));
+        let ends = [vertices[0], vertices[vertices.len() - 1]];
         let class = vertices.iter().find_map(|v| draft.canvas.nodes[*v as usize].port);
         let class = class.map_or(StreetClass::Local, |port| draft.brief.ports[port].class);
         let (first, second) = (words(line[0]), words(line[1]));
@@ -63,10 +66,18 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
             Maker::Repair => StreetOrigin::Repair,
             Maker::Piece(number) => StreetOrigin::Piece(pieces[number as usize].clone()),
         };
-        let made_by = MadeBy { filler, origin };
-        let line = rounded(&draft.canvas, draft.rules.local.rounding, &vertices, line);
-        out.streets.push(LocalStreet { street: Street::new(id, class, from, to, line), made_by });
+        let line = rounded(&draft.canvas, &draft.rules, &vertices, line);
+        let street = Street::new(id, class, name(ends[0]), name(ends[1]), line);
+        lines.push(LocalStreet { street, made_by: MadeBy { filler, origin } });
+        finished.push((ends, vertices, chain));
     }
+    let streets: Vec<Finished<'_>> = finished
+        .into_iter()
+        .zip(&lines)
+        .map(|((ends, vertices, chain), s)| Finished { ends, vertices, chain, line: &s.street.line })
+        .collect();
+    out.exceptions = exceptions(draft, &streets);
+    out.streets = lines;
     for v in g.vertices() {
         if g.degree(v) > 0 && is_end(v) && draft.canvas.nodes[v as usize].port.is_none() {
             out.junctions.push(Junction { id: name(v), at: g.at(v) });

@@ -1,7 +1,8 @@
 //! Proposals: streets that may be added to a cell.
 
 use super::obstacle::nearest;
-use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
+use super::rules::{Limits, WEDGE};
+use crate::network::{EdgeIx, VertexIx};
 use crate::space::{quantize, segment_crossing};
 use glam::DVec2;
 
@@ -23,6 +24,8 @@ pub struct Proposal {
     pub points: Vec<DVec2>,
     /// How each point meets the streets that are built.
     pub joins: Vec<Join>,
+    /// Whether each point lies on a curve that keeps its shape.
+    pub shaped: Vec<bool>,
     /// Straight edges between points.
     pub edges: Vec<(usize, usize)>,
 }
@@ -32,6 +35,7 @@ impl Proposal {
     pub fn clear(&mut self) {
         self.points.clear();
         self.joins.clear();
+        self.shaped.clear();
         self.edges.clear();
     }
 
@@ -39,6 +43,20 @@ impl Proposal {
     pub fn push(&mut self, at: DVec2, join: Join) {
         self.points.push(quantize(at));
         self.joins.push(join);
+        self.shaped.push(false);
+    }
+
+    /// Leaves out the points without an edge.
+    pub fn drop_unused_points(&mut self) {
+        let used: Vec<bool> = (0..self.points.len()).map(|i| self.edges.iter().any(|e| e.0 == i || e.1 == i)).collect();
+        let slot: Vec<usize> = used.iter().scan(0, |n, u| (Some(*n), *n += usize::from(*u)).0).collect();
+        let mut keep = used.iter();
+        self.points.retain(|_| keep.next().is_some_and(|u| *u));
+        let mut keep = used.iter();
+        self.joins.retain(|_| keep.next().is_some_and(|u| *u));
+        let mut keep = used.iter();
+        self.shaped.retain(|_| keep.next().is_some_and(|u| *u));
+        self.edges.iter_mut().for_each(|e| *e = (slot[e.0], slot[e.1]));
     }
 
     /// Makes this proposal the street along `line`, whose ends join the network by `first` and `last`.
@@ -86,9 +104,9 @@ impl Proposal {
         !matches!(self.joins[point], Join::Free(_))
     }
 
-    /// Whether the last edge of each arm keeps its distance from the rest of the proposal. Only arms that meet a street count:
+    /// Whether the last edge of each arm keeps to `limits` towards the rest of the proposal. Only arms that meet a street count:
     /// their ends may have moved.
-    pub fn ends_keep_apart(&self) -> bool {
+    pub fn ends_keep_apart(&self, limits: &Limits) -> bool {
         let p = self;
         let degree = |x: usize| p.edges.iter().filter(|e| e.0 == x || e.1 == x).count();
         for (i, &(a, b)) in p.edges.iter().enumerate() {
@@ -100,7 +118,7 @@ impl Proposal {
                 return false;
             }
             let crossing = degree(inner) > 2;
-            let (low, high) = (e.min(f) - STREET_FLOOR, e.max(f) + STREET_FLOOR);
+            let (low, high) = (e.min(f) - limits.gap, e.max(f) + limits.gap);
             for (k, &(c, d)) in p.edges.iter().enumerate() {
                 if k == i {
                     continue;
@@ -109,7 +127,7 @@ impl Proposal {
                 if c == inner || d == inner {
                     let other = if c == inner { t } else { s };
                     let cosine = (e - f).normalize_or_zero().dot((other - f).normalize_or_zero());
-                    if cosine > if crossing { 0.74 } else { 0.0 } {
+                    if cosine > if crossing { limits.junction_cosine } else { 0.0 } {
                         return false;
                     }
                     continue;
@@ -121,7 +139,7 @@ impl Proposal {
                     return false;
                 }
                 for (q, r) in [(e, nearest(e, s, t)), (nearest(s, e, f), s), (nearest(t, e, f), t)] {
-                    if q.distance(r) < (0.5 * (q.distance(f) + f.distance(r))).min(STREET_FLOOR) {
+                    if q.distance(r) < (WEDGE * (q.distance(f) + f.distance(r))).min(limits.gap) {
                         return false;
                     }
                 }

@@ -2,9 +2,9 @@
 //! where streets are nearer to each other than that, it comes no nearer than the street that it replaces.
 
 use super::canvas::Canvas;
-use super::checker::{DEAD_END_FLOOR, WEDGE};
+use super::checker::DEAD_END_FLOOR;
 use super::obstacle::{Neighbourhood, Obstacle, nearest_pairs};
-use super::rules::Limits;
+use super::rules::{Limits, WEDGE};
 use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
 use crate::seam::{APPROACH_LENGTH, CellPort};
 use crate::space::{Bounds, distance_to_segment, segment_distance};
@@ -200,6 +200,6 @@ impl Refit<'_> {
             }
         }
         let (now, before) = (line.distance(&wall_line), self.before(line, gone, &wall_line));
-        now >= before || now >= wall_gap.min(ROOM_LEFT * before).max(wall.floor)
+        now >= before || now >= wall_gap.min(ROOM_LEFT * before).max(wall.floor).max(self.limits.gap)
     }
 }

@@ -15,6 +15,12 @@ use crate::space::math::rotate;
 /// Number of connections that are checked exactly for one dead end.
 const TRIES: usize = 10;
 
+/// Streets at ports that are shorter than this and lead nowhere are made longer, in metres.
+const STUB: f64 = 30.0;
+
+/// Distance that these keep from other streets if the style lets them, in metres.
+const CUL_DE_SAC_GAP: f64 = 22.0;
+
 /// Repairs the network. Repair beats deletion: only stumps are removed. The streets around `anchors`, vertices of the graph,
 /// are connected to a port.
 pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> Result<(), LayerError> {
@@ -125,7 +131,7 @@ fn is_pinned(draft: &Draft<'_>, v: VertexIx) -> bool {
 fn lengthen_stubs(draft: &mut Draft<'_>) {
     let local = draft.rules.local;
     for (length, v, at_port) in dead_ends(draft) {
-        if !at_port || length > 30.0 {
+        if !at_port || length > STUB.max(draft.rules.repair.min_piece) {
             continue;
         }
         let (at, Some(onward)) = (draft.canvas.graph.at(v), draft.canvas.onward(v)) else { continue };
@@ -135,7 +141,8 @@ fn lengthen_stubs(draft: &mut Draft<'_>) {
         {
             let end = at + rotate(onward, angle) * (share * local.length);
             draft.trial.proposal.line(&[at, end], Join::At(v), Join::Free(false));
-            let limits = Limits { gap: 22.0_f64.min(draft.rules.growth.gap), ..draft.rules.repair };
+            let gap = CUL_DE_SAC_GAP.clamp(draft.rules.repair.gap, draft.rules.growth.gap);
+            let limits = Limits { gap, ..draft.rules.repair };
             if draft.build_if_fits(&limits, Maker::Repair) {
                 break;
             }

@@ -1,17 +1,43 @@
-//! What is asked of the streets of one cell: the style's local rules as distances and angles, once per cell.
+//! What is asked of the streets of one cell: the style's local rules as distances and angles, once per cell. Every stage takes
+//! what it keeps to from here.
 
 use crate::network::STREET_FLOOR;
+use crate::patch::DrawingRules;
 use crate::space::math;
 use crate::style::{FieldKind, LocalRules};
 
 /// Least length that is left of a street when it is cut back from the border, in metres.
 pub const LEAST_ARM: f64 = 22.0;
 
+/// Least ratio of the distance between two streets to their distance along the network, where that distance is short.
+pub const WEDGE: f64 = 0.5;
+
+/// How many times their distance the way between two points of streets may be if they are nearer than the clearance.
+pub const NEAR_ALONG: f64 = 3.0;
+
+/// Distance at which a street may pass a loose end that can still be connected to it, in metres, where the style asks for no
+/// more: room for a short street.
+const TIP_GAP: f64 = 19.0;
+
+/// Least distance from the border of streets that repair builds, in metres, where the style does not ask for more.
+const REPAIR_WALL_GAP: f64 = 30.0;
+
+/// Angle in radians by which two streets may fall short of the least angle: what positions lose when they are rounded.
+const ANGLE_SLACK: f64 = 0.001;
+
+/// Least angle in radians at which streets meet that stand by the user's wish, and at which they bend.
+const CLOSEST: [f64; 2] = [0.7, 1.3];
+
 /// What a proposal must keep to. Lengths in metres, angles in radians.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Distance from streets that it does not meet.
     pub gap: f64,
+    /// Distance that it keeps in any case, along its whole length, where the way to the other street is longer than
+    /// [`NEAR_ALONG`] times that.
+    pub clearance: f64,
+    /// Distance at which it passes a loose end that may still be connected to it.
+    pub tip_gap: f64,
     /// Distance from the border.
     pub wall_gap: f64,
     /// Cosine of the least angle at a junction.
@@ -46,13 +72,15 @@ pub struct CellRules<'a> {
     pub local: &'a LocalRules,
     /// Least angle between two streets from which a third may leave between them, halved.
     pub min_angle: f64,
-    /// What the propagation keeps to.
+    /// What growth and patches keep to: blocks have some width.
     pub growth: Limits,
-    /// What the repair keeps to: streets may be nearer to each other than those that grow.
+    /// What the style asks of every street, and what the repair keeps to.
     pub repair: Limits,
     /// What streets keep to that stand by the user's wish, or that connect what would float: as near as streets may be
     /// at all.
     pub closest: Limits,
+    /// What the drawing of a patch keeps to, besides what every drawing does.
+    pub drawings: DrawingRules,
     /// Least cosine of the bend where a street goes on as another.
     pub straightness: f64,
     /// Greatest angle by which a street may turn where another goes on from it.
@@ -70,34 +98,40 @@ pub struct CellRules<'a> {
 impl<'a> CellRules<'a> {
     /// The rules of a cell whose streets follow a field of this kind.
     pub fn new(local: &'a LocalRules, field: FieldKind) -> Self {
-        let min_angle = local.min_angle_deg.to_radians().max(0.7);
-        // Blocks much narrower than the style's streets are long look pinched.
-        let share = match field {
-            FieldKind::Grid => 0.6,
-            FieldKind::Radial => 0.68,
-            FieldKind::Organic | FieldKind::Contours => 0.55,
-        };
-        let gap = local.clearance.max(share * local.length);
-        let growth = Limits {
-            gap,
-            wall_gap: gap,
-            junction_cosine: math::cos(min_angle),
-            bend_cosine: math::cos(1.75),
-            min_piece: local.min_length.clamp(18.0, 40.0),
-            max_degree: (local.degree.1 as usize).clamp(3, 5),
-            min_round: 3.0 * local.length,
-        };
+        let min_angle = local.min_angle_deg.to_radians();
+        let (clearance, width) = (local.clearance, local.block_width.max(local.clearance));
+        let least = min_angle - ANGLE_SLACK;
         let repair = Limits {
-            gap: 20.0_f64.min(growth.gap),
-            wall_gap: 30.0_f64.min(growth.wall_gap),
-            junction_cosine: math::cos(min_angle.min(0.75)),
-            bend_cosine: math::cos(1.45),
-            min_piece: 16.0,
-            max_degree: growth.max_degree.max(4),
+            gap: clearance,
+            clearance,
+            tip_gap: clearance,
+            wall_gap: clearance.max(REPAIR_WALL_GAP.min(width)),
+            junction_cosine: math::cos(least),
+            bend_cosine: math::cos(least.max(1.45)),
+            min_piece: local.min_length,
+            max_degree: local.degree.1 as usize,
             min_round: 2.6 * local.length,
         };
-        let (junction_cosine, bend_cosine) = (math::cos(0.7), math::cos(1.3));
-        let closest = Limits { gap: STREET_FLOOR, wall_gap: 0.0, junction_cosine, bend_cosine, ..repair };
+        let growth = Limits {
+            gap: width,
+            tip_gap: clearance.max(TIP_GAP),
+            wall_gap: width,
+            bend_cosine: math::cos(1.75),
+            min_round: 3.0 * local.length,
+            ..repair
+        };
+        let closest = Limits {
+            gap: STREET_FLOOR,
+            clearance: STREET_FLOOR,
+            tip_gap: STREET_FLOOR,
+            wall_gap: 0.0,
+            junction_cosine: math::cos(CLOSEST[0]),
+            bend_cosine: math::cos(CLOSEST[1]),
+            min_piece: 16.0,
+            max_degree: 8,
+            ..repair
+        };
+        let drawings = DrawingRules { cosine: repair.junction_cosine, most_streets: repair.max_degree };
         let (straightness, crossings, field_pull, stump, dogleg) = match field {
             FieldKind::Grid => (0.98, 0.75, 1.0, 1.1, 16.0),
             FieldKind::Radial => (0.88, 0.4, 0.9, 0.9, 16.0),
@@ -110,11 +144,12 @@ impl<'a> CellRules<'a> {
             growth,
             repair,
             closest,
+            drawings,
             straightness,
             most_turn: math::acos(straightness),
             crossings,
             field_pull,
-            stump: stump * local.length,
+            stump: (stump * local.length).max(local.min_length),
             dogleg,
         }
     }

@@ -1,5 +1,6 @@
 //! Bending: a patch is bent a little where it would leave a kink at one of its ends as it is drawn.
 
+use crate::patch::PatchShape;
 use crate::space::math::{cos, sin, smoothstep};
 use crate::style::FieldKind;
 use glam::DVec2;
@@ -47,6 +48,11 @@ impl Bending {
     pub fn new(field: FieldKind, most_turn: f64) -> Self {
         let most = if field == FieldKind::Grid { 0.05 } else { 0.2 };
         Self { most, most_turn }
+    }
+
+    /// How far a patch of this shape is bent: one with a roundabout not at all.
+    pub fn of(self, shape: &PatchShape) -> Self {
+        if shape.round { Self { most: 0.0, ..self } } else { self }
     }
 
     /// Greatest angle between the heading of a patch at an end and the heading wanted there, in radians.

@@ -124,7 +124,8 @@ fn find_bridges(
     for passage in all.into_iter().skip(draft.rng.index(step)).step_by(step) {
         let weight = placer.weight(passage.patch);
         // The street must go on at both ends without a sharp bend.
-        let bend = placer.bending.bend([passage.leaves, passage.arrives], wanted.map(Some));
+        let bending = placer.bending.of(&patches.facts(passage.patch).shape);
+        let bend = bending.bend([passage.leaves, passage.arrives], wanted.map(Some));
         let Some((slopes, bends)) = bend.filter(|_| weight > 0.0) else { continue };
         let p = &patches.patches[passage.patch];
         let (a, b) = (p.connectables[passage.from].vertex, p.connectables[passage.to].vertex);

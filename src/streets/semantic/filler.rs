@@ -31,8 +31,7 @@ impl StyleKit {
     fn new(style: &Arc<Style>, sets: &BTreeMap<String, Arc<PatchSet>>) -> Self {
         let sets: Vec<Arc<PatchSet>> = style.patch_sets.iter().filter_map(|name| sets.get(name).cloned()).collect();
         let used: Vec<&PatchSet> = sets.iter().map(|s| &**s).collect();
-        let mut patches = PatchDatabase::new(&used, &style.allow, &style.exclude);
-        use_once_in_a_cell(&mut patches, &[style]);
+        let patches = PatchDatabase::new(&used, &style.allow, &style.exclude);
         let weights = patches.patches.iter().map(|p| weight_of(style, p)).collect();
         Self { style: style.clone(), sets, patches: Arc::new(patches), weights }
     }
@@ -42,16 +41,6 @@ impl StyleKit {
 fn weight_of(style: &Style, patch: &Patch) -> f64 {
     let factor = style.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
     if patch.is_allowed(&style.allow, &style.exclude) { patch.weight * factor } else { 0.0 }
-}
-
-/// Limits patches that a town may have only so many of to one use per cell.
-fn use_once_in_a_cell(patches: &mut PatchDatabase, styles: &[&Style]) {
-    let counts = || styles.iter().flat_map(|s| &s.patches).filter(|c| c.at_most.is_some());
-    for patch in &mut patches.patches {
-        if patch.at_most != Some(1) && counts().any(|c| c.patch == patch.name) {
-            Arc::make_mut(patch).at_most = Some(1);
-        }
-    }
 }
 
 /// The patches that several styles use, with the set that each is from.
@@ -119,8 +108,7 @@ impl SemanticPatches {
         }
         let of = |(name, set): (&&str, &&PatchSet)| std::iter::repeat_n((*name).to_owned(), set.patches.len());
         let names = sets.iter().flat_map(of).collect();
-        let mut patches = PatchDatabase::new(&sets.values().copied().collect::<Vec<_>>(), &[], &[]);
-        use_once_in_a_cell(&mut patches, &shares.iter().map(|(kit, _)| &*kit.style).collect::<Vec<_>>());
+        let patches = PatchDatabase::new(&sets.values().copied().collect::<Vec<_>>(), &[], &[]);
         Pool { patches: Arc::new(patches), sets: names }
     }
 
@@ -128,7 +116,7 @@ impl SemanticPatches {
     fn prepare_cell(&self, cell: &CellToFill<'_>) -> Result<CountedCell, LayerError> {
         let own = |(style, share): &(Arc<Style>, f64)| Some((self.kits.get(&style.name)?, *share));
         let shares: Vec<(&StyleKit, f64)> = cell.styles.iter().filter_map(own).collect();
-        let mut filler = self.mix(&shares, cell)?;
+        let mut filler = PatchFiller { start: cell.style.start.clone(), ..self.mix(&shares, cell)? };
         for (index, piece) in cell.pinned.iter().enumerate() {
             match filler.patches.patches.iter().position(|p| p.name == piece.piece) {
                 Some(patch) => filler.pinned.push(PinnedPatch {
@@ -152,7 +140,12 @@ impl Filler for SemanticPatches {
         for cell in &town.cells {
             cells.push(self.prepare_cell(cell)?);
         }
-        share_out(&town.styles, &mut cells, |cell, filler, patch| find_place(&town.cells[cell].brief, filler, patch));
+        // What a style of another town limits, which reaches into cells at the border, is limited in these.
+        let all = town.cells.iter().flat_map(|cell| cell.styles.iter().map(|(style, _)| &**style));
+        let limits: Vec<&Style> = town.styles.iter().copied().chain(all).collect();
+        share_out(&town.styles, &limits, &mut cells, |cell, filler, patch| {
+            find_place(&town.cells[cell].brief, filler, patch)
+        });
         Ok(cells.into_iter().map(|cell| Arc::new(cell.filler) as Arc<dyn CellFiller>).collect())
     }
 

@@ -19,7 +19,7 @@ const TRIES: usize = 400;
 pub fn find_place(brief: &CellBrief<'_>, filler: &PatchFiller, patch: usize) -> Option<PinnedPatch> {
     let drawn = filler.patches.patches.get(patch)?;
     let mut draft = Draft::new(brief);
-    let mut placer = Placer::new(&draft, &filler.patches, &filler.weights);
+    let mut placer = Placer::new(&draft, &filler.patches, &filler.weights, &filler.once);
     lay_stubs(&mut draft);
     lay_pinned(&mut draft, &mut placer, &filler.pinned, &mut Vec::new());
     let mut rng = brief.seed.stream("place of a patch", &[brief.id.0, patch as u64, filler.pinned.len() as u64]);

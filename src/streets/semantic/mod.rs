@@ -1,6 +1,7 @@
 //! The default filler: patches chosen by their semantics (Teng 2017, section 3), with parametric growth as fall-back and
 //! a repair pass.
 
+mod at_ports;
 mod bend;
 mod breadth_first;
 mod choice;

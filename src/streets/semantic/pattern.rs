@@ -1,23 +1,16 @@
 //! Patterns: a patch repeated along a main street, between two main streets, or onwards from a candidate vertex (Teng
 //! 2017, sections 3.2 and 5).
 
+use super::at_ports::{across_ports, lay_at_ports, runs};
 use super::coarse::roughly_fits;
 use super::placement::Placement;
 use super::placer::{Placer, build};
 use crate::network::VertexIx;
-use crate::patch::{Patch, Pattern, keeps_rules};
+use crate::patch::Pattern;
 use crate::space::math::turn;
-use crate::streets::cell::{Draft, Join, NONE, Obstacle, RemovedStubs, has_stub, nearest};
+use crate::streets::cell::{Draft, Obstacle, RemovedStubs, has_stub, nearest};
+use crate::style::StartRules;
 use glam::DVec2;
-
-/// Share of cells that begin with a pattern along a main street, if the style has such patterns.
-const ALONG: f64 = 0.4;
-
-/// Share of cells that begin with a pattern between two main streets, if the style has such patterns.
-const BETWEEN: f64 = 0.3;
-
-/// Share of candidate vertices from which a pattern is tried.
-pub const ONWARDS: f64 = 0.06;
 
 /// Least cosine of the angle at which a row meets the ports at its ends.
 const FACING: f64 = 0.95;
@@ -25,20 +18,30 @@ const FACING: f64 = 0.95;
 /// Longest row between two main streets, in metres.
 const LONGEST_ROW: f64 = 420.0;
 
-/// Begins a cell with patterns where chance and the ports allow.
-pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
+/// A row of elements along a main street.
+pub struct Row {
+    /// The ports that they stand at.
+    pub ports: Vec<usize>,
+    /// Whether the network cannot go on from any of them.
+    pub is_closed: bool,
+}
+
+/// Begins a cell with patterns where the style and the ports allow; returns the row that stands along a main street.
+pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>, rules: &StartRules) -> Option<Row> {
     let rooted = |main: bool| -> Vec<usize> {
         let patches = placer.patches;
         let of = |i: &usize| patches.facts(patches.patterns()[*i].element).main.is_some() == main;
         (0..patches.patterns().len()).filter(of).collect()
     };
     let (along, between) = (rooted(true), rooted(false));
-    if !along.is_empty() && draft.rng.chance(ALONG) {
-        pattern_along(draft, placer, &along);
+    let mut row = None;
+    if !along.is_empty() && draft.rng.chance(rules.patterns_along) {
+        row = pattern_along(draft, placer, &along);
     }
-    if !between.is_empty() && draft.rng.chance(BETWEEN) {
+    if !between.is_empty() && draft.rng.chance(rules.patterns_between) {
         pattern_between(draft, placer, &between);
     }
+    row
 }
 
 /// Chooses one of the patterns `of`, by the weights of their elements.
@@ -48,85 +51,54 @@ fn pick_pattern(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) ->
     draft.rng.weighted(&weights).map(|i| of[i])
 }
 
-/// Runs of ports along the sides of the cell, in order; only ports whose stubs are not built on.
-fn runs(draft: &Draft<'_>) -> Vec<Vec<usize>> {
-    let ports = draft.brief.ports;
-    let n = draft.brief.border.len();
-    let place = |i: usize| {
-        let on = |k: &usize| {
-            let (a, b) = (draft.brief.border[*k], draft.brief.border[(k + 1) % n]);
-            crate::space::distance_to_segment(ports[i].at, a, b)
-        };
-        let edge = (0..n).min_by(|a, b| on(a).total_cmp(&on(b))).unwrap_or(0);
-        (edge, draft.brief.border.get(edge).map_or(0.0, |a| a.distance(ports[i].at)))
-    };
-    let mut order: Vec<(usize, f64, usize)> =
-        (0..ports.len()).map(|i| (place(i), i)).map(|(p, i)| (p.0, p.1, i)).collect();
-    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    let mut runs: Vec<Vec<usize>> = Vec::new();
-    for (_, _, i) in order {
-        if !has_stub(&draft.canvas, draft.brief.ports.len(), i) {
-            continue;
-        }
-        let goes_on = runs.last().and_then(|r| r.last()).is_some_and(|&before: &usize| {
-            let (p, q) = (&ports[before], &ports[i]);
-            let step = q.at - p.at;
-            p.inward.dot(q.inward) > 0.9 && step.dot(p.inward).abs() < 0.3 * step.length()
-        });
-        match runs.last_mut() {
-            Some(run) if goes_on => run.push(i),
-            _ => runs.push(vec![i]),
-        }
-    }
-    runs
-}
-
 /// Lays a pattern along a main street. Its elements stand at ports next to each other. They have one scale across the street,
-/// and each is stretched along the street to meet its ports.
-fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) {
-    let Some(pick) = pick_pattern(draft, placer, of) else { return };
-    let entry = &placer.patches.patterns()[pick];
-    let (element, pattern) = (entry.element, entry.pattern.clone());
-    let patch = placer.patches.patches[element].clone();
-    let Some(main) = placer.patches.facts(element).main.clone() else { return };
+/// and each is stretched along the street to meet its ports. Returns where the row stands, if there is one.
+fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) -> Option<Row> {
+    let pick = pick_pattern(draft, placer, of)?;
+    let patches = placer.patches;
+    let entry = &patches.patterns()[pick];
+    let (element, pattern) = (entry.element, &entry.pattern);
+    let patch = &patches.patches[element];
+    let main = patches.facts(element).main.as_ref()?;
     let (from, to) = (patch.vertices[main.from], patch.vertices[main.to]);
-    let (&[one] | &[one, ..]) = main.attachments.as_slice() else { return };
-    let last = main.attachments[main.attachments.len() - 1];
+    let roots = main.attachments.as_slice();
+    let (one, last) = (*roots.first()?, *roots.last()?);
     let width = patch.vertices[one].distance(patch.vertices[last]);
     // Elements whose side streets stand at the ends of their main street have these in common.
-    let shared = main.attachments.len() == 2 && (width - from.distance(to)).abs() < 1.0;
-    let per_element = main.attachments.len().min(2);
+    let shared = roots.len() > 1 && (width - from.distance(to)).abs() < 1.0;
+    let per_element = roots.len();
     let runs: Vec<Vec<usize>> = runs(draft).into_iter().filter(|r| r.len() >= per_element).collect();
+    let advance = if shared { per_element - 1 } else { per_element };
     // Where a row can stand rather than one element.
-    let needed = if shared { 3 } else { 2 * per_element };
-    let room = |r: &Vec<usize>| if r.len() >= needed { (r.len() - per_element + 1) as f64 } else { 0.01 };
+    let room =
+        |r: &Vec<usize>| if r.len() >= per_element + advance { (r.len() - per_element + 1) as f64 } else { 0.01 };
     let lengths: Vec<f64> = runs.iter().map(room).collect();
-    let Some(run) = draft.rng.weighted(&lengths).map(|i| &runs[i]) else { return };
-    if main.attachments.len() > 2 {
-        return;
-    }
+    let run = draft.rng.weighted(&lengths).map(|i| &runs[i])?;
     let at = |i: usize| draft.brief.ports[run[i]].at;
     let step = at(0).distance(at(run.len() - 1)) / (run.len() - 1).max(1) as f64;
     let step = if run.len() > 1 { step } else { from.distance(to) };
-    let natural = if per_element == 2 { step / width } else { step / from.distance(to) };
+    let natural = if per_element > 1 { step * (per_element - 1) as f64 / width } else { step / from.distance(to) };
     let scale = natural.clamp(pattern.scale.0, pattern.scale.1);
-    let times = times(draft, &pattern);
-    let advance = if per_element == 2 && !shared { 2 } else { 1 };
-    let (mut i, mut laid) = (0, 0);
+    let times = times(draft, pattern);
+    let (mut i, mut laid, mut ports) = (0, 0, Vec::new());
+    let before = draft.candidates.len();
     while i + per_element <= run.len() && laid < times {
-        let ports = &run[i..i + per_element];
-        let fits = match *ports {
-            [a] => lay_at_port(draft, placer, &patch, element, (one, a), scale, &pattern),
-            [a, b] => lay_between_ports(draft, placer, &patch, element, [(one, a), (last, b)], scale, &pattern),
-            _ => false,
+        let here = &run[i..i + per_element];
+        let fits = match *here {
+            [a] => lay_at_port(draft, placer, element, (one, a), scale),
+            _ => lay_across_ports(draft, placer, element, roots, here, scale, pattern),
         };
-        laid += u32::from(fits);
+        if fits {
+            laid += 1;
+            ports.extend_from_slice(here);
+        }
         // A pattern begins where it fits first, and ends where it no longer does.
         if laid > 0 && !fits {
             break;
         }
         i += if fits { advance } else { 1 };
     }
+    (laid > 0).then(|| Row { ports, is_closed: draft.candidates.len() == before })
 }
 
 /// Draws the number of elements of a pattern.
@@ -139,113 +111,34 @@ fn times(draft: &mut Draft<'_>, pattern: &Pattern) -> u32 {
 fn lay_at_port(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
-    patch: &Patch,
     element: usize,
     root: (usize, usize),
     scale: f64,
-    pattern: &Pattern,
 ) -> bool {
     let port = draft.brief.ports[root.1];
+    let patch = &placer.patches.patches[element];
     let Some(main) = &placer.patches.facts(element).main else { return false };
     let along = patch.vertices[main.to] - patch.vertices[main.from];
-    let scale = scale.clamp(pattern.scale.0, pattern.scale.1);
-    let placement = Placement::drawn_out(
-        (element, root.0, patch.vertices[root.0]),
-        along,
-        port.at,
-        -port.inward.perp() * (along.length() * scale),
-        scale,
-    );
-    lay_at_ports(draft, placer, placement, patch, &[root])
+    let start = (element, root.0, patch.vertices[root.0]);
+    let to = -port.inward.perp() * (along.length() * scale);
+    let placement = Placement::drawn_out(start, along, port.at, to, scale);
+    lay_at_ports(draft, placer, placement, &[root])
 }
 
-/// Lays an element with two roots between two ports; returns whether it fits.
-fn lay_between_ports(
+/// Lays an element with several roots at ports next to each other; returns whether it fits.
+fn lay_across_ports(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
-    patch: &Patch,
     element: usize,
-    roots: [(usize, usize); 2],
+    roots: &[usize],
+    ports: &[usize],
     scale: f64,
     pattern: &Pattern,
 ) -> bool {
-    let [(a, p), (b, q)] = roots;
-    let from = patch.vertices[b] - patch.vertices[a];
-    let (at, to) = (draft.brief.ports[p].at, draft.brief.ports[q].at - draft.brief.ports[p].at);
-    let drawn_out = to.length() / from.length();
-    if !(0.95 * pattern.scale.0..=1.05 * pattern.scale.1).contains(&drawn_out) {
-        return false;
-    }
-    let placement = Placement::drawn_out((element, a, patch.vertices[a]), from, at, to, scale);
-    lay_at_ports(draft, placer, placement, patch, &roots)
-}
-
-/// Builds a patch whose roots fall on ports, in place of their stubs, and returns whether it fits. A side street that it shares
-/// with the element before is not built again.
-pub fn lay_at_ports(
-    draft: &mut Draft<'_>,
-    placer: &mut Placer<'_>,
-    placement: Placement,
-    patch: &Patch,
-    roots: &[(usize, usize)],
-) -> bool {
-    let centre = placement.map(DVec2::ZERO);
-    let mut stubs = RemovedStubs::default();
-    for (_, port) in roots {
-        if has_stub(&draft.canvas, draft.brief.ports.len(), *port) {
-            stubs.remove(&mut draft.canvas, *port as VertexIx);
-        }
-    }
-    let anchors: Vec<(usize, VertexIx)> = roots.iter().map(|(v, port)| (*v, *port as VertexIx)).collect();
-    draft.gather(centre, 1.5 * patch.radius + draft.rules.growth.gap + draft.rules.growth.min_piece);
-    let start = draft.brief.ports[roots[0].1].at;
-    let end = roots.get(1).map(|r| draft.brief.ports[r.1].at);
-    // What is shared is there already: only the exact check can tell it from what is in the way.
-    let shares = roots.iter().any(|r| draft.canvas.graph.degree(r.1 as VertexIx) > 0);
-    let fits = (shares || roughly_fits(draft, placer.patches, &placement, start, end))
-        && placer.propose(draft, &placement, &anchors, false)
-        && share_streets(draft, roots)
-        && build(draft, placement.patch);
-    if fits {
-        placer.after_patch(draft, placement.patch);
-    } else {
-        stubs.restore(&mut draft.canvas);
-    }
-    fits
-}
-
-/// Removes from the proposal the streets that exist already. False if nothing is left or the rest breaks a rule.
-fn share_streets(draft: &mut Draft<'_>, roots: &[(usize, usize)]) -> bool {
-    let g = &draft.canvas.graph;
-    if roots.iter().all(|r| g.degree(r.1 as VertexIx) == 0) {
-        return true;
-    }
-    let p = &mut draft.trial.proposal;
-    for i in 0..p.points.len() {
-        let loose_ends = p.joins[i];
-        if !matches!(loose_ends, Join::Free(_)) {
-            continue;
-        }
-        let ends = draft.trial.near.obstacles.iter().flat_map(|s| [(s.va, s.a), (s.vb, s.b)]);
-        let same = ends.filter(|(v, q)| *v != NONE && q.distance(p.points[i]) < SAME).map(|(v, _)| v);
-        if let Some(v) = same.min() {
-            p.joins[i] = Join::At(v);
-            p.points[i] = g.at(v);
-        }
-    }
-    let joins = p.joins.clone();
-    p.edges.retain(|(a, b)| match (joins[*a], joins[*b]) {
-        (Join::At(v), Join::At(w)) => g.edge_between(v, w).is_none(),
-        _ => true,
-    });
-    // Points without an edge go.
-    let used: Vec<bool> = (0..p.points.len()).map(|i| p.edges.iter().any(|e| e.0 == i || e.1 == i)).collect();
-    let slot: Vec<usize> = used.iter().scan(0, |n, u| (Some(*n), *n += usize::from(*u)).0).collect();
-    let keep = |i: &usize| used[*i];
-    p.points = (0..used.len()).filter(keep).map(|i| p.points[i]).collect();
-    p.joins = (0..used.len()).filter(keep).map(|i| joins[i]).collect();
-    p.edges.iter_mut().for_each(|e| *e = (slot[e.0], slot[e.1]));
-    !p.edges.is_empty() && keeps_rules(&p.points, &p.edges, 1.0)
+    let Some(placed) = across_ports(draft, placer.patches, element, (roots, ports), Some(scale)) else { return false };
+    let drawn_out = placed.along;
+    (0.95 * pattern.scale.0..=1.05 * pattern.scale.1).contains(&drawn_out)
+        && lay_at_ports(draft, placer, placed.placement, &placed.roots)
 }
 
 /// Lays a pattern as a row between two ports that face each other.
@@ -341,8 +234,13 @@ fn lay_element(
         None => draft.canvas.onward(v)?,
     };
     let arriving = end.map(|port| -draft.brief.ports[port as usize].inward);
-    draft.gather((at + target) / 2.0, 1.2 * patch.radius + 2.0 * draft.rules.growth.gap + draft.rules.growth.min_piece);
     let chord = target - at;
+    // As large as the element becomes; one that is larger than the cell cannot stand in it.
+    let size = patch.radius * chord.length() / pa.distance(pb);
+    if size > draft.canvas.size() {
+        return None;
+    }
+    draft.gather((at + target) / 2.0, 2.0 * size + 2.0 * draft.rules.growth.gap + draft.rules.growth.min_piece);
     let wanted = [Some(turn(chord, onward)), arriving.map(|a| turn(chord, a))];
     let first = draft.rng.chance(0.5);
     for (mirrored, back) in [(first, false), (!first, false), (first, true), (!first, true)] {
@@ -350,7 +248,7 @@ fn lay_element(
         let straight = Placement::new((element, a.vertex, pa), pb - pa, mirrored, at, target - at);
         let heading = |i: DVec2| straight.map(i) - straight.map(DVec2::ZERO);
         let is = [turn(chord, heading(a.inward)), turn(chord, heading(-b.inward))];
-        let Some((slopes, _)) = placer.bending.bend(is, wanted) else { continue };
+        let Some((slopes, _)) = placer.bending.of(&patches.facts(element).shape).bend(is, wanted) else { continue };
         let placement = straight.bent(at, target, slopes);
         let anchors = [(a.vertex, v), (b.vertex, end.unwrap_or_default())];
         let anchors = if end.is_some() { &anchors[..] } else { &anchors[..1] };
@@ -392,9 +290,6 @@ pub fn pattern_onwards(draft: &mut Draft<'_>, placer: &mut Placer<'_>, v: Vertex
     true
 }
 
-/// Distance within which vertices of two elements that share a street are the same, in metres.
-const SAME: f64 = 7.0;
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::Kit;
@@ -413,7 +308,7 @@ mod tests {
                 let cell = kit.cell(seed);
                 let brief = cell.brief();
                 let mut draft = Draft::new(&brief);
-                let mut placer = Placer::new(&draft, patches, &kit.filler.weights);
+                let mut placer = Placer::new(&draft, patches, &kit.filler.weights, &kit.filler.once);
                 lay_stubs(&mut draft);
                 lay(&mut draft, &mut placer, &patterns);
                 let n = cell.ports.len();
@@ -428,7 +323,7 @@ mod tests {
 
     #[test]
     fn patterns_stand_along_main_streets() {
-        let found = built(&Kit::all(), true, pattern_along);
+        let found = built(&Kit::all(), true, |draft, placer, of| drop(pattern_along(draft, placer, of)));
         let rows = found.iter().filter(|(elements, _)| *elements >= 2).count();
         assert!(rows * 8 > found.len(), "{rows} rows in {} cells", found.len());
         // Each element begins at a port of its own, or shares its side street with the one before.

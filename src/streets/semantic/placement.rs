@@ -1,6 +1,7 @@
 //! Placements: where a patch lies on the plan.
 
 use super::bend::Bend;
+use crate::patch::STRETCH;
 use glam::DVec2;
 
 /// Where a patch lies on the plan: mirrored or not, scaled, turned, moved, and then bent a little.
@@ -53,6 +54,16 @@ impl Placement {
     pub fn bent(self, from: DVec2, to: DVec2, slopes: [f64; 2]) -> Self {
         let bend = if slopes == [0.0; 2] { None } else { Some(Bend::new(from, to, slopes)) };
         Self { bend, ..self }
+    }
+
+    /// Greatest factor by which the placement changes distances, bends aside.
+    pub fn scale(&self) -> f64 {
+        self.x_axis.length().max(self.y_axis.length())
+    }
+
+    /// Whether the placement leaves the shape of the patch and hardly changes its size, so that what its drawing keeps still holds.
+    pub fn is_as_drawn(&self) -> bool {
+        !self.is_bent() && self.scale() > 1.0 - STRETCH - 1e-9
     }
 
     /// Whether the placement changes the shape of the patch.

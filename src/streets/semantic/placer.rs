@@ -12,6 +12,10 @@ pub struct Placer<'a> {
     pub patches: &'a PatchDatabase,
     /// The weight of each patch before it is used.
     weights: &'a [f64],
+    /// Whether each patch is used once at most.
+    once: &'a [bool],
+    /// Whether each patch, as it is drawn, keeps to what the style asks.
+    may_stand: Vec<bool>,
     /// How often each patch was used.
     used: Vec<u32>,
     /// The weight of each patch after these uses.
@@ -27,12 +31,17 @@ pub struct Placer<'a> {
 }
 
 impl<'a> Placer<'a> {
-    /// A placer that has not used any patch yet; `weights` has the weight of each patch in the cell.
-    pub fn new(draft: &Draft<'_>, patches: &'a PatchDatabase, weights: &'a [f64]) -> Self {
+    /// A placer that has not used any patch yet; `weights` has the weight of each patch in the cell, and `once` says which are
+    /// used once at most.
+    pub fn new(draft: &Draft<'_>, patches: &'a PatchDatabase, weights: &'a [f64], once: &'a [bool]) -> Self {
         let longest = patches.patches.iter().filter_map(|p| p.pairs.last()).map(|p| p.distance);
         let mut placer = Self {
             patches,
             weights,
+            once,
+            may_stand: (0..patches.patches.len())
+                .map(|p| patches.facts(p).shape.keeps(&draft.rules.drawings))
+                .collect(),
             used: vec![0; patches.patches.len()],
             weights_left: Vec::new(),
             largest: patches.patches.iter().map(|p| p.radius).fold(0.0, f64::max),
@@ -50,14 +59,11 @@ impl<'a> Placer<'a> {
     }
 
     /// Weight of a patch in choices after `count` uses. Every use lowers it. It is 0 once the patch was used as often as it may
-    /// be, and for a patch that breaks the rules in itself.
+    /// be, and for a patch whose drawing breaks the rules.
     fn weight_after(&self, patch: usize, count: u32) -> f64 {
-        let most = self.patches.patches[patch].at_most;
-        if most.is_some_and(|most| count >= most) || !self.patches.facts(patch).shape.sound {
-            0.0
-        } else {
-            self.weights[patch] / (1.0 + 0.5 * f64::from(count))
-        }
+        let most =
+            self.patches.patches[patch].at_most.unwrap_or(u32::MAX).min(if self.once[patch] { 1 } else { u32::MAX });
+        if count >= most || !self.may_stand[patch] { 0.0 } else { self.weights[patch] / (1.0 + 0.5 * f64::from(count)) }
     }
 
     /// Number of patches that were used.
@@ -124,6 +130,7 @@ impl<'a> Placer<'a> {
                     None => (placement.map(patch.vertices[v]), Join::Free(false)),
                 };
                 p.push(at, join);
+                p.shaped[slots[v] as usize] = shape.shaped[v];
             }
             slots[v] as usize
         };
@@ -158,10 +165,13 @@ impl<'a> Placer<'a> {
             let mut before = slot(&mut p, inner);
             let mut last = [before; 2];
             for (i, at) in line.iter().enumerate().skip(1) {
-                p.push(*at, if i + 1 == line.len() { join } else { Join::Free(false) });
-                p.edges.push((before, p.points.len() - 1));
-                last = [before, p.points.len() - 1];
-                before = last[1];
+                let is_last = i + 1 == line.len();
+                p.push(*at, if is_last { join } else { Join::Free(false) });
+                let end = p.points.len() - 1;
+                p.shaped[end] = !is_last && shape.shaped[arm[i]];
+                p.edges.push((before, end));
+                last = [before, end];
+                before = end;
             }
             let (from, end) = (p.points[last[0]], p.points[last[1]]);
             fits = !check || joint_angle_fits(&draft.canvas, join, end, from - end, &draft.rules.growth);
@@ -170,8 +180,10 @@ impl<'a> Placer<'a> {
             }
         }
         (draft.trial.proposal, self.slots, draft.trial.line) = (p, slots, line);
-        fits && draft.trial.proposal.ends_keep_apart()
-            && (!placement.is_bent() || keeps_rules(&draft.trial.proposal.points, &draft.trial.proposal.edges, 1.0))
+        let (p, rules) = (&draft.trial.proposal, &draft.rules);
+        fits && p.ends_keep_apart(&rules.repair)
+            // Of three roots the middle one may be moved to its port.
+            && (placement.is_as_drawn() && anchors.len() < 3 || keeps_rules(&p.points, &p.edges, 1.0, &rules.drawings))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Filling a cell, step by step (Teng 2017, section 3).
 
 use super::choice::PatchChoice;
-use super::pattern;
+use super::pattern::pattern_onwards;
 use super::pinned::{PinnedPatch, lay_pinned};
 use super::placer::Placer;
 use super::start::start;
@@ -9,6 +9,7 @@ use crate::layer::{Cancel, LayerError, Weigh};
 use crate::patch::PatchDatabase;
 use crate::streets::cell::{Draft, finish, floating, lay_stubs, make_fair, propagate, repair};
 use crate::streets::filler::{CellBrief, CellFiller, CellStreets, LeftOut};
+use crate::style::StartRules;
 use std::sync::Arc;
 
 /// The name by which styles call this filler.
@@ -21,6 +22,10 @@ pub struct PatchFiller {
     pub patches: Arc<PatchDatabase>,
     /// The weight of each in this cell, 0 for one that may not be chosen.
     pub weights: Vec<f64>,
+    /// For each patch whether it is used once in the cell at most.
+    pub once: Vec<bool>,
+    /// How the cell is begun.
+    pub start: StartRules,
     /// Patches that stand in the cell whatever grows around them. They keep to the border and to each other as streets do.
     pub pinned: Vec<PinnedPatch>,
     /// Pinned pieces that are none of `patches`, as indices into the list of pinned pieces.
@@ -28,9 +33,11 @@ pub struct PatchFiller {
 }
 
 impl PatchFiller {
-    /// The filler of a cell in which no patch is pinned; `weights` has the weight of each patch.
+    /// The filler of a cell in which no patch is pinned or counted over the town, and which begins as cells usually do; `weights` has
+    /// the weight of each patch.
     pub fn new(patches: Arc<PatchDatabase>, weights: Vec<f64>) -> Self {
-        Self { patches, weights, pinned: Vec::new(), unknown: Vec::new() }
+        let once = vec![false; weights.len()];
+        Self { patches, weights, once, start: StartRules::default(), pinned: Vec::new(), unknown: Vec::new() }
     }
 
     /// The pieces that were left out, where `unfit` are indices into `pinned`.
@@ -50,14 +57,14 @@ impl CellFiller for PatchFiller {
         let mut unfit = Vec::new();
         loop {
             let mut draft = Draft::new(brief);
-            let mut placer = Placer::new(&draft, &self.patches, &self.weights);
+            let mut placer = Placer::new(&draft, &self.patches, &self.weights, &self.once);
             let mut choice = PatchChoice::default();
             lay_stubs(&mut draft);
             let standing = lay_pinned(&mut draft, &mut placer, &self.pinned, &mut unfit);
-            start(&mut draft, &mut placer);
+            start(&mut draft, &mut placer, &self.start);
             cancel.check()?;
             propagate(&mut draft, cancel, |draft, v, at, direction| {
-                draft.rng.chance(pattern::ONWARDS) && pattern::pattern_onwards(draft, &mut placer, v, direction)
+                draft.rng.chance(self.start.patterns_onwards) && pattern_onwards(draft, &mut placer, v, direction)
                     || choice.attach(draft, &mut placer, v, at, direction)
             })?;
             let anchors: Vec<_> = standing.iter().map(|s| s.vertex).collect();
@@ -77,6 +84,6 @@ impl CellFiller for PatchFiller {
 impl Weigh for PatchFiller {
     fn bytes(&self) -> usize {
         // The patches are shared by many cells.
-        size_of::<Self>() + 8 * self.weights.len() + size_of::<PinnedPatch>() * self.pinned.len()
+        size_of::<Self>() + 9 * self.weights.len() + size_of::<PinnedPatch>() * self.pinned.len()
     }
 }

@@ -1,34 +1,52 @@
 //! Cell initialization (Teng 2017, section 3.2): patterns along main streets, and an initial patch in the
 //! place of some of the stubs.
 
+use super::at_ports::{across_ports, lay_at_ports, runs};
 use super::coarse::roughly_fits;
-use super::pattern::{lay_at_ports, start_with_patterns};
+use super::pattern::{Row, start_with_patterns};
 use super::placement::Placement;
 use super::placer::{Placer, build};
 use crate::network::VertexIx;
-use crate::patch::{PatchDatabase, STRETCH, tag};
+use crate::patch::{PatchDatabase, tag};
 use crate::streets::cell::{Draft, RemovedStubs, has_stub, stub_end};
+use crate::style::StartRules;
 use glam::DVec2;
+use std::ops::RangeInclusive;
+
+/// How much an initial patch may be drawn out along its main street.
+const STRETCHED: RangeInclusive<f64> = 0.8..=1.25;
 
 /// Lays patterns, and initial patches in place of some stubs. Their ends and those of the other stubs become the first
 /// candidate vertices.
-pub fn start(draft: &mut Draft<'_>, placer: &mut Placer<'_>) {
-    start_with_patterns(draft, placer);
+pub fn start(draft: &mut Draft<'_>, placer: &mut Placer<'_>, rules: &StartRules) {
+    let row = start_with_patterns(draft, placer, rules);
     let ports = draft.brief.ports.len();
     let patches = placer.patches;
     let initial: Vec<usize> =
         patches.tagged(tag::INITIAL).iter().copied().filter(|p| patches.facts(*p).main.is_some()).collect();
+    let mut must_begin: Vec<usize> = row.filter(|row| row.is_closed).map_or(Vec::new(), |row| opposite(draft, &row));
     for i in 0..ports {
-        // The stub is there, unless a pinned patch took its place.
+        // The stub is there, unless a patch took its place.
         if !has_stub(&draft.canvas, ports, i) {
             continue;
         }
-        // One port in three begins with an initial patch; more would leave no room between them.
-        if initial.is_empty() || !draft.rng.chance(0.34) || !start_with_patch(draft, placer, i, &initial) {
+        let chosen = !initial.is_empty() && (must_begin.contains(&i) || draft.rng.chance(rules.initial_patches));
+        if chosen && start_with_patch(draft, placer, i, &initial) {
+            must_begin.clear();
+        } else {
             draft.candidates.push_back(stub_end(ports, i));
         }
     }
     draft.canvas.stamp_stubs(draft.brief.ports);
+}
+
+/// The ports along the main street that lies farthest from a row: from a closed pattern the network cannot go on, and so it begins
+/// there (Teng 2017, Fig. 5.3).
+fn opposite(draft: &Draft<'_>, row: &Row) -> Vec<usize> {
+    let middle = |ports: &[usize]| ports.iter().map(|i| draft.brief.ports[*i].at).sum::<DVec2>() / ports.len() as f64;
+    let from = middle(&row.ports);
+    let far = |run: &Vec<usize>| middle(run).distance(from);
+    runs(draft).into_iter().max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default()
 }
 
 /// The vertex at which an initial patch leaves its main street, and the direction into the patch; `None` if the patch has no
@@ -48,7 +66,7 @@ fn start_with_patch(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize,
     let weights: Vec<f64> = initial.iter().map(|p| placer.weight(*p)).collect();
     let Some(pick) = draft.rng.weighted(&weights).map(|i| initial[i]) else { return false };
     let Some((root, side)) = initial_root(placer.patches, pick) else {
-        return start_with_two(draft, placer, port, pick);
+        return start_with_row(draft, placer, port, pick);
     };
     let radius = placer.patches.patches[pick].radius;
     let root_at = placer.patches.patches[pick].vertices[root];
@@ -70,28 +88,26 @@ fn start_with_patch(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize,
     false
 }
 
-/// Lays an initial patch that leaves its main street twice, at a port and at the next one along the street; it is stretched or
-/// shortened a little to meet both. Returns whether it fits.
-fn start_with_two(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize, pick: usize) -> bool {
+/// Lays an initial patch that leaves its main street several times, at a port and at those next to it along the street; it is
+/// stretched or shortened a little to meet them. Returns whether it fits.
+fn start_with_row(draft: &mut Draft<'_>, placer: &mut Placer<'_>, port: usize, pick: usize) -> bool {
     let patches = placer.patches;
-    let patch = patches.patches[pick].clone();
-    let Some(&[a, b]) = patches.facts(pick).main.as_ref().map(|m| m.attachments.as_slice()) else { return false };
-    let from = patch.vertices[b] - patch.vertices[a];
-    let here = draft.brief.ports[port];
-    for (other, there) in draft.brief.ports.iter().enumerate().filter(|(i, _)| *i != port) {
-        let to = there.at - here.at;
-        let scale = to.length() / from.length();
-        let in_line = there.inward.dot(here.inward) > 0.9 && to.dot(here.inward).abs() < 0.3 * to.length();
-        if !in_line || !(0.8..=1.25).contains(&scale) || !has_stub(&draft.canvas, draft.brief.ports.len(), other) {
-            continue;
-        }
-        // The attachment lies to the left of the line from `a` to `b`, as drawn; else it is mirrored.
-        let inward = to.perp().dot(here.inward).signum();
-        let across = inward * scale.clamp(1.0 - STRETCH, 1.0 + STRETCH);
-        let (one, two) = ((a, port), (b, other));
-        let placement = Placement::drawn_out((pick, a, patch.vertices[a]), from, here.at, to, across);
-        if lay_at_ports(draft, placer, placement, &patch, &[one, two]) {
-            return true;
+    let Some(main) = &patches.facts(pick).main else { return false };
+    let roots = main.attachments.as_slice();
+    if roots.len() < 2 {
+        return false;
+    }
+    for run in runs(draft) {
+        for ports in run.windows(roots.len()).filter(|ports| ports.contains(&port)) {
+            let back: Vec<usize> = ports.iter().rev().copied().collect();
+            for ports in [ports, &back] {
+                let placed = across_ports(draft, patches, pick, (roots, ports), None);
+                if let Some(at) = placed.filter(|at| STRETCHED.contains(&at.along))
+                    && lay_at_ports(draft, placer, at.placement, &at.roots)
+                {
+                    return true;
+                }
+            }
         }
     }
     false

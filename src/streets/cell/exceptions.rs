@@ -1,0 +1,274 @@
+//! Exceptions: where the finished streets of a cell break a rule of the style, and what made them.
+
+use super::canvas::Maker;
+use super::checker::BETWEEN;
+use super::draft::Draft;
+use super::obstacle::nearest_pairs;
+use super::rules::NEAR_ALONG;
+use crate::network::{EdgeIx, VertexIx};
+use crate::seam::APPROACH_LENGTH;
+use crate::space::{Bounds, distance_to_segment, line_length, math, segment_distance, segments};
+use crate::streets::filler::{Cause, Exception, Rule};
+use glam::DVec2;
+use std::collections::BTreeMap;
+
+/// Angle in radians, length and distance in metres by which a street may miss a rule: more than positions lose when they are
+/// rounded to the grid, again and again.
+const SLACK: (f64, f64) = (0.005, 0.1);
+
+/// A finished street.
+pub struct Finished<'a> {
+    /// The vertices at its ends.
+    pub ends: [VertexIx; 2],
+    /// Its vertices in the graph.
+    pub vertices: Vec<VertexIx>,
+    /// Its edges in the graph.
+    pub chain: Vec<(EdgeIx, bool)>,
+    /// Its line.
+    pub line: &'a [DVec2],
+}
+
+/// What is wrong with the streets of a finished cell.
+struct Inspection<'d, 's> {
+    draft: &'d Draft<'d>,
+    streets: &'s [Finished<'s>],
+    found: Vec<Exception>,
+}
+
+/// Finds the places where `streets`, all of a cell, break a rule of its style.
+pub fn exceptions(draft: &Draft<'_>, streets: &[Finished<'_>]) -> Vec<Exception> {
+    let mut inspection = Inspection { draft, streets, found: Vec::new() };
+    inspection.lengths();
+    inspection.junctions();
+    inspection.bends();
+    inspection.clearances();
+    inspection.found
+}
+
+impl Inspection<'_, '_> {
+    fn report(&mut self, rule: Rule, cause: Cause, at: DVec2) {
+        self.found.push(Exception { rule, cause, at });
+    }
+
+    fn is_pinned(&self, v: VertexIx) -> bool {
+        self.draft.canvas.nodes[v as usize].pinned
+    }
+
+    fn has_pin(&self, street: usize) -> bool {
+        self.streets[street].vertices.iter().any(|v| self.is_pinned(*v))
+    }
+
+    fn is_port(&self, v: VertexIx) -> bool {
+        self.draft.canvas.nodes[v as usize].port.is_some()
+    }
+
+    /// The build that all edges of a street are of, if that laid a piece.
+    fn piece(&self, street: usize) -> Option<u32> {
+        let mut made = self.streets[street].chain.iter().map(|(e, _)| self.draft.canvas.graph.edge(*e).data);
+        let first = made.next()?;
+        (matches!(first.by, Maker::Piece(_)) && made.all(|m| m.build == first.build)).then_some(first.build)
+    }
+
+    fn lengths(&mut self) {
+        let least = self.draft.rules.local.min_length - SLACK.1;
+        for i in 0..self.streets.len() {
+            let street = &self.streets[i];
+            if line_length(street.line) >= least {
+                continue;
+            }
+            let [a, b] = street.ends;
+            let [port, other] = if self.is_port(b) { [b, a] } else { [a, b] };
+            // A port whose street finds no way on, or only that to another port.
+            let leads_nowhere = self.is_port(other) || self.draft.canvas.graph.degree(other) == 1;
+            let cause = if self.has_pin(i) {
+                Cause::Pin
+            } else if self.is_port(port) && leads_nowhere {
+                Cause::Port
+            } else if self.piece(i).is_some() {
+                Cause::Drawing
+            } else {
+                Cause::Defect
+            };
+            self.report(Rule::Length, cause, street.line[0]);
+        }
+    }
+
+    fn junctions(&mut self) {
+        let mut around: BTreeMap<VertexIx, Vec<DVec2>> = BTreeMap::new();
+        for street in self.streets {
+            let n = street.line.len();
+            around.entry(street.ends[0]).or_default().push(street.line[1] - street.line[0]);
+            around.entry(street.ends[1]).or_default().push(street.line[n - 2] - street.line[n - 1]);
+        }
+        for (v, ways) in around {
+            let at = self.draft.canvas.graph.at(v);
+            let cause = if self.is_pinned(v) { Cause::Pin } else { Cause::Defect };
+            if ways.len() > self.draft.rules.local.degree.1 as usize && ways.len() > 2 {
+                self.report(Rule::Degree, cause, at);
+            }
+            if (0..ways.len()).any(|i| ways[..i].iter().any(|other| self.is_sharp(ways[i], *other))) {
+                self.report(Rule::Angle, cause, at);
+            }
+        }
+    }
+
+    fn is_sharp(&self, a: DVec2, b: DVec2) -> bool {
+        math::angle_between(a, b) < self.draft.rules.local.min_angle_deg.to_radians() - SLACK.0
+    }
+
+    fn bends(&mut self) {
+        for i in 0..self.streets.len() {
+            let line = self.streets[i].line;
+            for w in line.windows(3).filter(|w| (w[0] - w[1]).dot(w[2] - w[1]) > 0.0) {
+                if self.is_sharp(w[0] - w[1], w[2] - w[1]) {
+                    let cause = if self.has_pin(i) { Cause::Pin } else { Cause::Defect };
+                    self.report(Rule::Angle, cause, w[1]);
+                }
+            }
+        }
+    }
+
+    /// Streets that do not meet.
+    fn clearances(&mut self) {
+        let least = self.draft.rules.local.clearance - SLACK.1;
+        let bounds: Vec<Bounds> =
+            self.streets.iter().map(|s| Bounds::of(s.line.iter().copied()).grown(least)).collect();
+        let mut order: Vec<usize> = (0..self.streets.len()).collect();
+        order.sort_by(|a, b| bounds[*a].min.x.total_cmp(&bounds[*b].min.x).then(a.cmp(b)));
+        for (n, &i) in order.iter().enumerate() {
+            for &k in order[n + 1..].iter().take_while(|k| bounds[**k].min.x <= bounds[i].max.x) {
+                let (a, b) = (self.streets[i].ends, self.streets[k].ends);
+                if bounds[i].overlaps(bounds[k]) && !a.iter().any(|v| b.contains(v)) {
+                    self.clearance(i, k, least);
+                }
+            }
+            self.clearance_of_border(i, bounds[i], least);
+        }
+    }
+
+    fn clearance(&mut self, i: usize, k: usize, least: f64) {
+        let (a, b) = (self.streets[i].line, self.streets[k].line);
+        let near = |p: &(DVec2, DVec2), q: &(DVec2, DVec2)| {
+            let (low, high) = (p.0.min(p.1) - least, p.0.max(p.1) + least);
+            q.0.max(q.1).cmpge(low).all() && q.0.min(q.1).cmple(high).all()
+        };
+        let mut worst: Option<(f64, DVec2, DVec2)> = None;
+        for p in segments(a) {
+            for q in segments(b).filter(|q| near(&p, q)) {
+                if segment_distance(p.0, p.1, q.0, q.1) >= least {
+                    continue;
+                }
+                for (x, y) in nearest_pairs(p, q) {
+                    let distance = x.distance(y);
+                    if distance < least
+                        && worst.is_none_or(|w| distance < w.0)
+                        && self.far_along((i, x), (k, y), distance)
+                    {
+                        worst = Some((distance, x, y));
+                    }
+                }
+            }
+        }
+        let Some((_, x, y)) = worst else { return };
+        let cause = if self.has_pin(i) || self.has_pin(k) {
+            Cause::Pin
+        } else if self.on_stub(i, x) || self.on_stub(k, y) {
+            Cause::Port
+        } else if self.piece(i).is_some() && self.piece(i) == self.piece(k) {
+            Cause::Drawing
+        } else {
+            Cause::Defect
+        };
+        self.report(Rule::Clearance, cause, x);
+    }
+
+    /// Distance from the main streets around the cell, at one place for each street at most.
+    fn clearance_of_border(&mut self, i: usize, bounds: Bounds, least: f64) {
+        let brief = self.draft.brief;
+        let n = brief.border.len();
+        for w in (0..n).filter(|w| brief.street_half_width.get(*w).copied().flatten().is_some()) {
+            let (c, d) = (brief.border[w], brief.border[(w + 1) % n]);
+            if !Bounds::of([c, d]).overlaps(bounds) {
+                continue;
+            }
+            for (p, q) in segments(self.streets[i].line) {
+                for (x, y) in nearest_pairs((p, q), (c, d)) {
+                    let distance = x.distance(y);
+                    if distance >= least || self.port_near(i, x, y, distance) {
+                        continue;
+                    }
+                    let cause = match () {
+                        () if self.has_pin(i) => Cause::Pin,
+                        () if self.on_stub(i, x) => Cause::Port,
+                        () => Cause::Defect,
+                    };
+                    self.report(Rule::Clearance, cause, x);
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Whether a port makes a point of a street near to a point of a main street, `distance` from it.
+    fn port_near(&self, i: usize, x: DVec2, y: DVec2, distance: f64) -> bool {
+        let most = longest_way(distance);
+        let g = &self.draft.canvas.graph;
+        self.reached(i, x, most).into_iter().any(|(v, d)| self.is_port(v) && d + g.at(v).distance(y) <= most)
+    }
+
+    /// Whether `p` lies on the stub of a port that the street begins at.
+    fn on_stub(&self, street: usize, p: DVec2) -> bool {
+        self.streets[street].ends.iter().any(|v| {
+            self.draft.canvas.nodes[*v as usize].port.is_some_and(|port| {
+                let port = self.draft.brief.ports[port];
+                distance_to_segment(p, port.at, port.at + port.inward * APPROACH_LENGTH) < 1.0
+            })
+        })
+    }
+
+    /// Whether two points of streets are farther apart along the streets than `distance` allows.
+    fn far_along(&self, (i, x): (usize, DVec2), (k, y): (usize, DVec2), distance: f64) -> bool {
+        let most = longest_way(distance);
+        let reached = self.reached(i, x, most);
+        let ends = self.streets[k].ends.into_iter().zip(self.to_ends(k, y));
+        ends.into_iter().all(|(v, d)| reached.get(&v).is_none_or(|way| way + d > most))
+    }
+
+    /// Ways from a point of a street to its ends.
+    fn to_ends(&self, street: usize, p: DVec2) -> [f64; 2] {
+        let line = self.streets[street].line;
+        let (mut before, mut best) = (0.0, (f64::INFINITY, 0.0));
+        for (a, b) in segments(line) {
+            let off = distance_to_segment(p, a, b);
+            if off < best.0 {
+                best = (off, before + a.distance(p));
+            }
+            before += a.distance(b);
+        }
+        [best.1, before - best.1]
+    }
+
+    /// The ends of streets that a way of at most `most` metres leads to, with their ways.
+    fn reached(&self, street: usize, p: DVec2, most: f64) -> BTreeMap<VertexIx, f64> {
+        let mut reached: BTreeMap<VertexIx, f64> = BTreeMap::new();
+        let mut rest: Vec<(VertexIx, f64)> =
+            self.streets[street].ends.into_iter().zip(self.to_ends(street, p)).collect();
+        while let Some((v, d)) = rest.pop() {
+            if d > most || reached.get(&v).is_some_and(|known| *known <= d) {
+                continue;
+            }
+            reached.insert(v, d);
+            for street in self.streets.iter().filter(|s| s.ends.contains(&v)) {
+                let other = if street.ends[0] == v { street.ends[1] } else { street.ends[0] };
+                rest.push((other, d + line_length(street.line)));
+            }
+        }
+        reached
+    }
+}
+
+/// Greatest way along the streets between two points so far from each other, if that distance is less than the clearance.
+fn longest_way(distance: f64) -> f64 {
+    // Checks look at points some metres apart.
+    (distance + SLACK.1) * NEAR_ALONG + BETWEEN
+}
