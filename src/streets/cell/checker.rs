@@ -2,11 +2,11 @@
 //! checks of Teng 2017, section 3.3). Therefore the rules hold for the finished cell.
 
 use super::canvas::Canvas;
-use super::joint::{Joint, Reached, joint_angle_fits, keeps_off_walls, parts_stay_apart};
+use super::joint::{Joint, Reached, find_shared, joint_angle_fits, keeps_off_walls, on_one_street, parts_stay_apart};
 use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest, nearest_pairs};
 use super::proposal::{Join, Proposal};
 use super::rules::{Limits, NEAR_ALONG, WEDGE};
-use crate::network::{EdgeIx, STREET_FLOOR, VertexIx};
+use crate::network::{STREET_FLOOR, VertexIx};
 use crate::seam::APPROACH_LENGTH;
 use crate::space::segment_crossing;
 use glam::DVec2;
@@ -455,48 +455,6 @@ fn least_at(s: &Obstacle, kind: PointKind) -> f64 {
 fn surely_enough(s: &Obstacle, kind: PointKind, limits: &Limits) -> f64 {
     let enough = if s.is_wall() { limits.wall_gap.max(s.floor) } else { limits.gap.max(STREET_FLOOR) };
     enough.max(least_at(s, kind))
-}
-
-/// Whether two joints lie on one street, which they divide.
-fn on_one_street(canvas: &Canvas, a: &Joint, b: &Joint) -> bool {
-    let mut edges = Vec::new();
-    street_edges(canvas, a, &mut edges);
-    edges.contains(&b.edge) || b.vertex != NONE && canvas.graph.edges_at(b.vertex).iter().any(|e| edges.contains(e))
-}
-
-/// Adds the edges of the streets that a joint lies on.
-fn street_edges(canvas: &Canvas, joint: &Joint, edges: &mut Vec<EdgeIx>) {
-    let g = &canvas.graph;
-    if joint.vertex != NONE {
-        for &e in g.edges_at(joint.vertex) {
-            canvas.follow(joint.vertex, e, |x| edges.push(x));
-        }
-        return;
-    }
-    let e = g.edge(joint.edge);
-    edges.push(joint.edge);
-    for end in [e.a, e.b].into_iter().filter(|end| !canvas.is_end(*end)) {
-        for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
-            canvas.follow(end, next, |x| edges.push(x));
-        }
-    }
-}
-
-/// Finds the edges of the street that a joint lies on, and of the streets that it meets at the ends from which the proposal
-/// goes on.
-fn find_shared(canvas: &Canvas, joint: &mut Joint) {
-    let g = &canvas.graph;
-    let mut shared = std::mem::take(&mut joint.shared);
-    shared.clear();
-    street_edges(canvas, joint, &mut shared);
-    if joint.vertex != NONE && g.degree(joint.vertex) == 1 {
-        // The proposal goes on with this street, and so meets what meets it at its other end.
-        let (end, _) = canvas.follow(joint.vertex, g.edges_at(joint.vertex)[0], |_| {});
-        for &other in g.edges_at(end) {
-            canvas.follow(end, other, |x| shared.push(x));
-        }
-    }
-    joint.shared = shared;
 }
 
 fn loose_end_near(end: DVec2, s: &Obstacle) -> bool {

@@ -104,3 +104,45 @@ pub fn parts_stay_apart(joint: &Joint, near: &Neighbourhood) -> bool {
 pub fn keeps_off_walls(joint: &Joint, near: &Neighbourhood) -> bool {
     near.obstacles.iter().all(|s| !s.is_wall() || nearest(joint.at, s.a, s.b).distance(joint.at) >= s.floor)
 }
+
+/// Whether two joints lie on one street, which they divide.
+pub fn on_one_street(canvas: &Canvas, a: &Joint, b: &Joint) -> bool {
+    let mut edges = Vec::new();
+    street_edges(canvas, a, &mut edges);
+    edges.contains(&b.edge) || b.vertex != NONE && canvas.graph.edges_at(b.vertex).iter().any(|e| edges.contains(e))
+}
+
+/// Adds the edges of the streets that a joint lies on.
+fn street_edges(canvas: &Canvas, joint: &Joint, edges: &mut Vec<EdgeIx>) {
+    let g = &canvas.graph;
+    if joint.vertex != NONE {
+        for &e in g.edges_at(joint.vertex) {
+            canvas.follow(joint.vertex, e, |x| edges.push(x));
+        }
+        return;
+    }
+    let e = g.edge(joint.edge);
+    edges.push(joint.edge);
+    for end in [e.a, e.b].into_iter().filter(|end| !canvas.is_end(*end)) {
+        for &next in g.edges_at(end).iter().filter(|x| **x != joint.edge) {
+            canvas.follow(end, next, |x| edges.push(x));
+        }
+    }
+}
+
+/// Finds the edges of the street that a joint lies on, and of the streets that it meets at the ends from which the proposal
+/// goes on.
+pub fn find_shared(canvas: &Canvas, joint: &mut Joint) {
+    let g = &canvas.graph;
+    let mut shared = std::mem::take(&mut joint.shared);
+    shared.clear();
+    street_edges(canvas, joint, &mut shared);
+    if joint.vertex != NONE && g.degree(joint.vertex) == 1 {
+        // The proposal goes on with this street, and so meets what meets it at its other end.
+        let (end, _) = canvas.follow(joint.vertex, g.edges_at(joint.vertex)[0], |_| {});
+        for &other in g.edges_at(end) {
+            canvas.follow(end, other, |x| shared.push(x));
+        }
+    }
+    joint.shared = shared;
+}

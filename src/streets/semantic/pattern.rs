@@ -98,7 +98,7 @@ fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) -
         }
         i += if fits { advance } else { 1 };
     }
-    (laid > 0).then(|| Row { ports, is_closed: draft.candidates.len() == before })
+    (laid > 0).then_some(Row { ports, is_closed: draft.candidates.len() == before })
 }
 
 /// Draws the number of elements of a pattern.
