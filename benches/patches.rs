@@ -141,7 +141,7 @@ fn figures(out: &[CellStreets]) -> Figures {
 }
 
 fn bundled() -> Vec<Arc<Patch>> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/patches");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/patches");
     let mut files: Vec<_> =
         std::fs::read_dir(folder).expect("the bundled sets").map(|e| e.expect("an entry").path()).collect();
     files.sort();
