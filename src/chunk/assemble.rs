@@ -6,7 +6,6 @@ use crate::network::{Junction, JunctionId, Street};
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
 use crate::surface::Deck;
-use crate::terrain::DrawnGround;
 use glam::DVec2;
 
 /// Least height of a deck above water, in metres.
@@ -20,7 +19,7 @@ const DECK_CLEARANCE: f64 = 1.0;
 pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
     let overlap = stack.overlapping(bounds, &Reach::new("chunk", bounds, 0.0), cancel)?;
-    let ground = Ground::new(&**stack.terrain(), origin, size);
+    let ground = Ground::of_vertices(stack.ground().vertices(), origin, size);
     let mut chunk = Chunk { settlements: overlap.settlements, ..Chunk::empty(coord, size, ground) };
     for found in overlap.junctions {
         if owner_of(found.origin, found.item.at, size) == coord {
@@ -29,7 +28,7 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
     }
     for found in overlap.streets {
         if found.item.street.bridge {
-            let mut drawn = DrawnGround::new(&**stack.terrain());
+            let mut drawn = stack.ground().drawn();
             let floor = |p| {
                 let plan = origin.to_plan(p);
                 let (ground, sample) = (drawn.height(plan), stack.terrain().sample(plan));

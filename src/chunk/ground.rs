@@ -2,7 +2,7 @@
 
 use crate::space::Origin;
 use crate::terrain::{GROUND_STEP, Terrain, TerrainSample, height_in_square};
-use glam::DVec2;
+use glam::{DVec2, I64Vec2};
 
 /// Terrain at the vertices of a square grid. Each grid square is two triangles, split from its south-west to its
 /// north-east corner; the surface of these triangles is the ground that is drawn, walked on and built on.
@@ -17,11 +17,16 @@ pub struct Ground {
 impl Ground {
     /// The ground of the square of `size` metres (a multiple of [`GROUND_STEP`]) north-east of `origin`.
     pub fn new(terrain: &dyn Terrain, origin: Origin, size: i64) -> Self {
-        let cells = (size as f64 / GROUND_STEP) as usize;
-        let at =
-            |i: usize| origin.to_plan(DVec2::new((i % (cells + 1)) as f64, (i / (cells + 1)) as f64) * GROUND_STEP);
         let mut scan = terrain.scan();
-        Self { cells, samples: (0..(cells + 1) * (cells + 1)).map(|i| scan(at(i))).collect() }
+        Self::of_vertices(|vertex| scan(vertex.as_dvec2() * GROUND_STEP), origin, size)
+    }
+
+    /// The same ground from the vertices of the drawn ground, given in steps from the plan's origin.
+    pub(super) fn of_vertices(mut sample: impl FnMut(I64Vec2) -> TerrainSample, origin: Origin, size: i64) -> Self {
+        let cells = size / GROUND_STEP as i64;
+        let corner = origin.0 / GROUND_STEP as i64;
+        let vertices = (0..(cells + 1) * (cells + 1)).map(|i| I64Vec2::new(i % (cells + 1), i / (cells + 1)));
+        Self { cells: cells as usize, samples: vertices.map(|at| sample(corner + at)).collect() }
     }
 
     /// The vertex at a column and row, 0 to `cells`.

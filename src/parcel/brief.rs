@@ -3,7 +3,7 @@
 use crate::network::Street;
 use crate::space::{Origin, Seed};
 use crate::style::ParcelRules;
-use crate::terrain::Terrain;
+use crate::terrain::GroundTiles;
 use crate::town::CellId;
 use glam::DVec2;
 
@@ -22,7 +22,7 @@ pub struct ParcelBrief<'a> {
     /// Position of the cell, from 0 at the settlement's outline to 1 at its centre.
     pub centrality: f64,
     /// The ground, which buildings stand on.
-    pub terrain: &'a dyn Terrain,
+    pub ground: &'a GroundTiles,
     /// Plan point that positions are local to.
     pub origin: Origin,
 }

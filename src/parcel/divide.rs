@@ -7,7 +7,6 @@ use crate::parcel::footprints::{PARAPET, footprint, ground_floor, storeys};
 use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};
 use crate::parcel::lots::lots;
 use crate::space::{QUANTUM, quantize, stable_hash};
-use crate::terrain::DrawnGround;
 use glam::DVec2;
 
 /// Greatest length of a park's border without a street, in metres: streets of different widths leave a little at corners.
@@ -25,7 +24,7 @@ const MOST_OPEN: f64 = 12.0;
 /// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, LayerError> {
     let mut out = CellParcels::default();
-    let mut ground = DrawnGround::new(brief.terrain);
+    let mut ground = brief.ground.drawn();
     let shapes = blocks(brief.border, brief.streets);
     cancel.check()?;
     for shape in shapes {

@@ -7,12 +7,14 @@ use crate::space::{
     Origin, Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
 };
 use crate::style::ParcelRules;
+use crate::terrain::GroundTiles;
 use crate::testing::{BlockCell, Flat, block_cell, divided};
 use crate::town::CellId;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
+use std::sync::Arc;
 
 /// Rules as styles state them, in one of four cases anything that is allowed.
 fn rules(rng: &mut Stream) -> ParcelRules {
@@ -173,7 +175,7 @@ fn a_cancelled_division_stops() {
         streets: &[],
         rules: &rules,
         centrality: 1.0,
-        terrain: &Flat,
+        ground: &GroundTiles::new(Arc::new(Flat), 1 << 16),
         origin: Origin::default(),
     };
     assert!(divide(&brief, &cancel).is_err());

@@ -13,7 +13,7 @@ use crate::seam::{self, TownAndStyles};
 use crate::space::{Bounds, Seed};
 use crate::streets::{CellStreets, Fillers};
 use crate::style::{ParcelRules, Style};
-use crate::terrain::Terrain;
+use crate::terrain::{GroundTiles, Terrain};
 use crate::town::{self, CellUse, Town};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// Methods with a [`Cancel`] fail with [`LayerError::Cancelled`] once it is set.
 pub struct Stack {
     pub(super) seed: Seed,
-    terrain: Arc<dyn Terrain>,
+    ground: GroundTiles,
     pub(super) settlements: Arc<Settlements>,
     roads: Arc<Roads>,
     pub(super) styles: Styles,
@@ -51,7 +51,7 @@ pub struct StackParts {
     pub sets: BTreeMap<String, Arc<PatchSet>>,
     /// The patches that the user pinned.
     pub pins: Vec<PatchEdit>,
-    /// Most memory for towns, streets and parcels together, in bytes.
+    /// Most memory for the ground, towns, streets and parcels together, in bytes.
     pub bytes: usize,
 }
 
@@ -62,7 +62,7 @@ impl Stack {
         let share = bytes / 4;
         Self {
             seed,
-            terrain,
+            ground: GroundTiles::new(terrain, share / 2),
             settlements,
             roads,
             fillers: Fillers::new(&styles, &sets),
@@ -71,13 +71,18 @@ impl Stack {
             plans: LayerCache::new(share / 4),
             towns: LayerCache::new(share / 4 * 3),
             cells: LayerCache::new(share),
-            parcels: LayerCache::new(2 * share),
+            parcels: LayerCache::new(3 * share / 2),
         }
     }
 
     /// The ground.
     pub fn terrain(&self) -> &Arc<dyn Terrain> {
-        &self.terrain
+        self.ground.terrain()
+    }
+
+    /// The vertices of the drawn ground.
+    pub fn ground(&self) -> &GroundTiles {
+        &self.ground
     }
 
     /// The settlements.
@@ -90,13 +95,14 @@ impl Stack {
         &self.roads
     }
 
-    /// Bytes held by the caches of towns, streets and parcels.
+    /// Bytes held by the caches of the ground, towns, streets and parcels.
     pub fn bytes(&self) -> u64 {
-        self.plans.bytes() + self.towns.bytes() + self.cells.bytes() + self.parcels.bytes()
+        self.ground.bytes() + self.plans.bytes() + self.towns.bytes() + self.cells.bytes() + self.parcels.bytes()
     }
 
-    /// Forgets the streets and parcels of every main cell.
+    /// Forgets the ground, and the streets and parcels of every main cell.
     pub fn forget_cells(&self) {
+        self.ground.clear();
         self.cells.clear();
         self.parcels.clear();
     }
@@ -111,7 +117,7 @@ impl Stack {
             let outline = self.settlements.outline(settlement)?;
             let gates = self.roads.gates(settlement, cancel)?;
             let style = self.styles.of(&settlement.style)?;
-            let town = town::plan(self.seed, settlement, &outline, gates, style, &*self.terrain, cancel)?;
+            let town = town::plan(self.seed, settlement, &outline, gates, style, &**self.terrain(), cancel)?;
             let own = self.styles.town(settlement, &outline)?;
             let mut across: Vec<(StyledTown, _)> = Vec::new();
             for other in self.settlements.touching(settlement)? {
@@ -181,7 +187,7 @@ impl Stack {
                 border: &main_cell.border,
                 streets: &streets,
                 rules: if main_cell.cell_use == CellUse::Open { &park } else { rules },
-                terrain: &*self.terrain,
+                ground: &self.ground,
                 origin: plan.origin,
                 centrality: (1.0 - main_cell.anchor.length() / plan.settlement.radius).clamp(0.0, 1.0),
             };

@@ -37,7 +37,7 @@ mod settings;
 
 pub use self::contract::{Scan, Terrain, TerrainSample};
 pub(crate) use self::drawn::height_in_square;
-pub use self::drawn::{DrawnGround, GROUND_STEP};
+pub use self::drawn::{DrawnGround, GROUND_STEP, GroundTiles};
 pub use self::noise::NoiseTerrain;
 #[cfg(feature = "noise")]
 pub use self::noise_fn::{NoiseFnSettings, NoiseFnTerrain};

@@ -5,9 +5,11 @@ use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{CellParcels, ParcelBrief, divide};
 use crate::space::{Origin, Seed, Stream, left_normal, quantize};
 use crate::style::ParcelRules;
+use crate::terrain::GroundTiles;
 use crate::testing::Flat;
 use crate::town::CellId;
 use glam::DVec2;
+use std::sync::Arc;
 
 /// A cell with its streets.
 pub(crate) struct BlockCell {
@@ -100,7 +102,7 @@ pub(crate) fn divided(seed: u64, cell: &BlockCell, rules: &ParcelRules) -> CellP
         streets: &streets,
         rules,
         centrality: 0.5,
-        terrain: &Flat,
+        ground: &GroundTiles::new(Arc::new(Flat), 1 << 16),
         origin: Origin::default(),
     };
     divide(&brief, &Cancel::new()).unwrap()

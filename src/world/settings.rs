@@ -42,7 +42,7 @@ impl Default for Settings {
 pub struct CacheSettings {
     /// Settlements and roads.
     pub region_mib: f64,
-    /// Towns and their filled main cells.
+    /// Towns and their filled main cells, and the ground that they stand on.
     pub town_mib: f64,
     /// Chunks.
     pub chunk_mib: f64,
