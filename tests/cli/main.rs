@@ -333,6 +333,23 @@ fn roads_of_a_finite_domain() {
 }
 
 #[test]
+fn roads_name_the_settings_without_a_use() {
+    let [grid, towns] = country("unused", TOWNS);
+    let text = "(\n  terrain: (sea_share: 0.2),\n  roads: (minor: (gamma: inf)),\n  cache: (region_mib: 64),\n)";
+    let settings = file("unused.ron", text).to_string_lossy().into_owned();
+    let out = file("unused.geojson", "").to_string_lossy().into_owned();
+    let all = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--settings", &settings, "--json"];
+    let output = sprawl(&all);
+    let lines = String::from_utf8(output.stderr).expect("UTF-8");
+    for expected in ["unused.ron:2:13: terrain.sea_share has no use here", "unused.ron:4:11: cache.region_mib has no use"] {
+        assert!(lines.contains(expected), "{lines}");
+    }
+    assert_eq!(lines.lines().count(), 2, "{lines}");
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(report["warnings"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
 fn roads_over_water_and_through_woods() {
     let [grid, towns] = country("wet", TOWNS);
     // A narrow lake of cells twice as wide, in the way; woods in the south.

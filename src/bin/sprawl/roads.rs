@@ -5,6 +5,7 @@ mod compare;
 mod ground;
 mod reference;
 mod report;
+mod settings;
 
 use crate::common::{Common, Flag};
 use crate::fail::Fail;
@@ -13,16 +14,16 @@ use crate::work;
 pub use args::RoadsArgs;
 use bevy_sprawl::export::svg::MapStyle;
 use bevy_sprawl::export::{self, ExportError, Plan};
-use bevy_sprawl::layer::{FileError, from_ron};
+use bevy_sprawl::layer::FileError;
 use bevy_sprawl::region::{NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementTable};
 use bevy_sprawl::space::Bounds;
 use bevy_sprawl::terrain::RasterTerrain;
 use bevy_sprawl::world::Settings;
 use compare::Comparison;
 use indicatif::{ProgressBar, ProgressStyle};
-use ron::{Map, Value};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use settings::SettingsFile;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -43,6 +44,8 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         None => None,
     };
     let settings = file.as_ref().map_or_else(Settings::default, |f| f.settings.clone());
+    let warnings: Vec<String> = file.iter().flat_map(|f| &f.warnings).map(ToString::to_string).collect();
+    warnings.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
     let ground::Land { terrain, cell, geographic } = ground::read(args)?;
     let domain = terrain.bounds();
     let table = {
@@ -53,7 +56,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     };
     table.check_inside(domain)?;
     let settlements: Vec<Settlement> = table.settlements().cloned().collect();
-    let given = file.as_ref().and_then(|f| f.step());
+    let given = file.as_ref().and_then(|f| f.roads.step());
     let step = args.step.or(given).unwrap_or_else(|| usual_step(domain, cell, &settlements));
     let roads = roads(file.as_ref(), step, args.gamma)?;
     let real = match &args.reference {
@@ -85,6 +88,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["file"] = json!(args.output.to_string_lossy());
     report["bytes"] = json!(bytes);
     report["step_m"] = json!(step);
+    report["warnings"] = json!(warnings);
     report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
     let mut people = report::people(&network, &report);
     if let Some(projection) = geographic {
@@ -130,96 +134,11 @@ fn usual_step(domain: Bounds, cell: f64, settlements: &[Settlement]) -> i64 {
     usual.min(nearest / 1.5).max(longest / NODES.1).clamp(10.0, 20_000.0) as i64
 }
 
-/// A settings file as it is written, and what it says.
-struct SettingsFile {
-    name: String,
-    text: String,
-    settings: Settings,
-    roads: Option<Value>,
-}
-
-impl SettingsFile {
-    /// Reads a file of world settings; ranges of roads are checked later, for those of a finite domain are wider.
-    fn read(path: &Path) -> Result<Self, Fail> {
-        let (name, text) = (path.to_string_lossy().into_owned(), work::read(path)?);
-        let settings: Settings = from_ron(&name, &text)?;
-        Settings { roads: RoadSettings::default(), ..settings.clone() }.check().map_err(|e| e.in_file(&name, &text))?;
-        let Value::Map(all) = from_ron::<Value>(&name, &text)? else {
-            return Ok(Self { name, text, settings, roads: None });
-        };
-        let roads = all.iter().find(|(k, _)| **k == Value::String("roads".into())).map(|(_, v)| v.clone());
-        Ok(Self { name, text, settings, roads })
-    }
-
-    /// The step that the file gives.
-    fn step(&self) -> Option<i64> {
-        let Some(Value::Map(roads)) = &self.roads else { return None };
-        roads.keys().any(|k| *k == Value::String("step".into())).then_some(self.settings.roads.step)
-    }
-}
-
-/// What `over` has in place of what `under` has, maps within maps.
-fn lay_over(under: Value, over: Value) -> Value {
-    match (under, over) {
-        (Value::Map(mut under), Value::Map(over)) => {
-            for (key, value) in over {
-                let held = under.remove(&key);
-                under.insert(
-                    key,
-                    match held {
-                        Some(held) => lay_over(held, value),
-                        None => value,
-                    },
-                );
-            }
-            Value::Map(under)
-        }
-        (_, over) => over,
-    }
-}
-
-/// A value without what is one of a few words, which [`Value`] does not hold.
-fn without_words(value: Value) -> Value {
-    match value {
-        Value::Map(map) => {
-            let mut held = Map::new();
-            for (key, value) in map.into_iter().filter(|(_, v)| *v != Value::Unit) {
-                held.insert(key, without_words(value));
-            }
-            Value::Map(held)
-        }
-        other => other,
-    }
-}
-
-/// Whether settings of roads say how those of a class cross highways.
-fn gives_crossing(given: &Value, class: &str) -> bool {
-    let field = |value: &Value, name: &str| match value {
-        Value::Map(map) => map.iter().find(|(k, _)| **k == Value::String(name.into())).map(|(_, v)| v.clone()),
-        _ => None,
-    };
-    field(given, class).is_some_and(|of| field(&of, "highway_crossings").is_some())
-}
-
 /// Settings of roads: those for a finite domain, with what a file says in their place.
 fn roads(file: Option<&SettingsFile>, step: i64, gamma: Option<f64>) -> Result<RoadSettings, Fail> {
     let mut out = RoadSettings::finite(step);
-    if let Some((file, given)) = file.and_then(|f| Some((f, f.roads.clone()?))) {
-        let failed = |e: &dyn std::fmt::Display| Fail::Input(format!("{}: {e}", file.name));
-        let usual = ron::to_string(&out).map_err(|e| failed(&e))?;
-        let usual: Value = ron::from_str(&usual).map_err(|e| failed(&e))?;
-        let kept = out.clone();
-        out = without_words(lay_over(usual, given.clone())).into_rust().map_err(|e| failed(&e))?;
-        out.step = step;
-        let read = &file.settings.roads;
-        for (class, to, read, kept) in [
-            ("highway", &mut out.highway, &read.highway, &kept.highway),
-            ("major", &mut out.major, &read.major, &kept.major),
-            ("minor", &mut out.minor, &read.minor, &kept.minor),
-        ] {
-            to.highway_crossings =
-                if gives_crossing(&given, class) { read.highway_crossings } else { kept.highway_crossings };
-        }
+    if let Some(file) = file {
+        out = RoadSettings { step, ..file.roads.over(out) };
     }
     for tier in [&mut out.highway, &mut out.major, &mut out.minor] {
         tier.gamma = gamma.unwrap_or(tier.gamma);

@@ -6,7 +6,7 @@ use super::lattice::{node_at, stencil_distance};
 use super::padding::REPULSION;
 use super::repulsion::{repulsion, repulsion_radius};
 use super::samples::Samples;
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 use super::window::Window;
 use crate::layer::LayerError;
 use crate::network::SizeClass;

@@ -2,7 +2,7 @@
 
 use super::lattice::{DIRECTIONS, STENCIL};
 use super::samples::Ground;
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 use glam::DVec2;
 
 /// Least cost of a road per metre, however much an influence attracts it.
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn roads_cost_at_least_their_length_and_avoid_what_they_should() {
-        let t = TierSettings::default();
+        let t = TierSettings::minor();
         let flat = Ground { surface: 10.0, depth: 0.0, vegetation: 0.0 };
         assert_eq!(cost_per_metre(flat, flat, 128.0, &t), Some(1.0));
         let hill = Ground { surface: 15.0, ..flat };

@@ -307,7 +307,8 @@ mod tests {
     use super::super::field::Corridor;
     use super::super::lattice::node_at;
     use super::super::samples::Samples;
-    use super::super::settings::{RoadSettings, TierSettings};
+    use super::super::settings::RoadSettings;
+    use super::super::tier_settings::TierSettings;
     use super::*;
     use crate::layer::LayerCache;
     use crate::terrain::{Terrain, TerrainSample};

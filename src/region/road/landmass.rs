@@ -6,7 +6,7 @@ use super::cost::cost_over_water;
 use super::inputs::Inputs;
 use super::lattice::{DIRECTIONS, STENCIL};
 use super::samples::Ground;
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 use super::window::Window;
 use crate::layer::LayerError;
 use crate::space::{Bounds, DisjointSets};
@@ -137,7 +137,7 @@ mod tests {
             let depth = if straits.iter().any(|(first, end)| (*first..*end).contains(&n.x)) { 3.0 } else { 0.0 };
             Ground { surface: 10.0, depth, vegetation: 0.0 }
         };
-        let t = TierSettings { bridge_limit, ..TierSettings::default() };
+        let t = TierSettings { bridge_limit, ..TierSettings::minor() };
         let lengths = STENCIL.map(|s| DVec2::length(s.as_dvec2()) * 100.0);
         let edges = Edges { window, ground: window.nodes().map(ground).collect(), lengths, t: &t };
         Landmasses::of_edges(&edges, 100)

@@ -1,6 +1,6 @@
 //! How far the search for the road of a pair reads beyond the two settlements.
 
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 
 /// How far beyond an outline ties and closed edges reach, in steps of the lattice: the padding of a site.
 pub(super) const SITE_STEPS: f64 = 6.0;

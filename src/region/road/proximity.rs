@@ -5,7 +5,7 @@
 use super::budget::Budget;
 use super::distance::Distances;
 use super::inputs::Inputs;
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 use super::tier::{beeline, tier_of};
 use super::wishes::Wish;
 use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};

@@ -2,7 +2,7 @@
 
 use super::cost::kernel;
 use super::padding::REPULSION;
-use super::settings::TierSettings;
+use super::tier_settings::TierSettings;
 use crate::region::settlement::Settlement;
 use glam::DVec2;
 

@@ -7,7 +7,7 @@ use crate::layer::LayerError;
 use crate::region::road::cost::{LEAST_COST, cost_per_metre};
 use crate::region::road::lattice::{DIRECTIONS, STENCIL};
 use crate::region::road::samples::Ground;
-use crate::region::road::settings::TierSettings;
+use crate::region::road::tier_settings::TierSettings;
 
 /// From this share of the steepest slope of a span on, a bridge or tunnel is tried instead of an edge on the ground.
 const STEEP_SHARE: f64 = 0.7;

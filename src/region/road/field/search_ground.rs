@@ -9,7 +9,7 @@ use crate::network::SizeClass;
 use crate::region::road::influence::Influences;
 use crate::region::road::lattice::node_at;
 use crate::region::road::samples::Samples;
-use crate::region::road::settings::TierSettings;
+use crate::region::road::tier_settings::TierSettings;
 use crate::region::road::window::Window;
 use crate::space::Bounds;
 use crate::terrain::Terrain;

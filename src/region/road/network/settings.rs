@@ -1,7 +1,8 @@
 //! Settings of roads in a finite domain: defaults, and wider ranges than in an endless world.
 
 use crate::layer::RangeError;
-use crate::region::road::settings::{RoadSettings, TierSettings};
+use crate::region::road::settings::RoadSettings;
+use crate::region::road::tier_settings::TierSettings;
 
 /// Least and greatest spacing of the lattice in metres.
 const STEPS: (i64, i64) = (10, 20_000);
@@ -47,24 +48,13 @@ impl RoadSettings {
     pub fn check_finite(&self) -> Result<(), RangeError> {
         RangeError::check("step", self.step as f64, STEPS.0 as f64, STEPS.1 as f64)?;
         RangeError::check("merge", self.merge, 0.0, 4.0 * self.step as f64)?;
-        let mut rest = self.clone();
-        (rest.step, rest.merge) = (Self::default().step, Self::default().merge);
-        for (name, t) in [("highway", &mut rest.highway), ("major", &mut rest.major), ("minor", &mut rest.minor)] {
-            let range =
-                |field: &str, value, low, high| RangeError::check(field, value, low, high).map_err(|e| e.within(name));
-            range("reach", t.reach, 500.0, f64::INFINITY)?;
-            range("gamma", t.gamma, 1.01, f64::INFINITY)?;
-            range("detour", t.detour, 1.1, 1_000.0)?;
-            range("corridor", t.corridor, 200.0, 1e6)?;
-            range("earthwork", t.earthwork, 1.0, f64::INFINITY)?;
-            range("bridge_limit", t.bridge_limit, 0.0, 1e6)?;
-            range("slope", t.slope, 0.0, 10_000.0)?;
-            range("turn", t.turn, 0.0, 10_000.0)?;
-            let d = TierSettings::default();
-            (t.reach, t.gamma, t.detour, t.corridor) = (d.reach, d.gamma, d.detour, d.corridor);
-            (t.earthwork, t.bridge_limit, t.slope, t.turn) = (d.earthwork, d.bridge_limit, d.slope, d.turn);
-        }
-        rest.check()
+        self.check_tiers(|number| match number.name {
+            "reach" | "gamma" | "earthwork" => (number.low, f64::INFINITY),
+            "detour" => (number.low, 1_000.0),
+            "corridor" | "bridge_limit" => (number.low, 1e6),
+            "slope" | "turn" => (number.low, 10_000.0),
+            _ => (number.low, number.high),
+        })
     }
 }
 
