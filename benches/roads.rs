@@ -3,6 +3,7 @@
 
 mod clock;
 
+use bevy_sprawl::edits::Edits;
 use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
 use bevy_sprawl::region::{RoadNetwork, RoadSettings, Settlement, SettlementId};
@@ -90,7 +91,7 @@ fn build(ground: &Arc<RasterTerrain>, all: &[Settlement], cells: usize, gamma: O
     for tier in [&mut settings.highway, &mut settings.major, &mut settings.minor] {
         tier.gamma = gamma.unwrap_or(tier.gamma);
     }
-    RoadNetwork::build(ground.bounds(), ground.clone(), all, &settings).expect("the case is valid")
+    RoadNetwork::build(ground.bounds(), ground.clone(), all, &settings, &Edits::default()).expect("the case is valid")
 }
 
 /// The best of three times, in seconds, and the network.

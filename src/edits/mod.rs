@@ -7,15 +7,20 @@
 //! A wrong file is refused as a whole, at its line and column. An edit that the file has right and the world cannot
 //! fulfil, such as a settlement in a lake, is rejected alone: see [`RejectedEdit`].
 
-use crate::layer::{FileError, RangeError, error_at, from_ron};
+mod checks;
+mod painted;
+
+pub use checks::STRENGTHS;
+pub use painted::{InfluenceMap, Painted};
+
+use crate::layer::{FileError, error_at, from_ron};
 use crate::network::{JunctionId, SizeClass, Street, StreetClass, StreetId, crossings};
+use checks::{number, place, points, road_classes};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// Radii that settlements may have, in metres.
 pub const SETTLEMENT_RADII: (f64, f64) = (120.0, 5_000.0);
-/// Coordinates may be this far from 0, in metres.
-const FARTHEST: f64 = 1e10;
 /// Bytes that a name may have.
 const LONGEST_NAME: usize = 200;
 /// Points that a line may have.
@@ -57,6 +62,8 @@ pub struct Edits {
     pub settlements: Vec<SettlementEdit>,
     /// What draws roads near or drives them off.
     pub influences: Vec<Influence>,
+    /// The same, painted.
+    pub influence_maps: Vec<InfluenceMap>,
     /// Nodes of the network of roads.
     pub way_points: Vec<WayPoint>,
     /// Roads kept, led and banned.
@@ -171,7 +178,8 @@ pub enum RoadEdit {
         /// The other.
         to: DVec2,
     },
-    /// There is a road, and it passes points. Distances that the proximity rule compares stay what they are.
+    /// There is a road, and it passes points (Galin 2011, section 4.3). Distances that the proximity rule compares stay what
+    /// they are.
     Via {
         /// One end.
         from: DVec2,
@@ -179,6 +187,10 @@ pub enum RoadEdit {
         to: DVec2,
         /// 1 to 32 points in order; the road passes the nodes of the lattice nearest to them that are free.
         points: Vec<DVec2>,
+        /// Whether the road is built whatever it costs. If not, the proximity rule weighs its cost through the points as that
+        /// of any pair, and may drop it.
+        #[serde(default = "yes")]
+        keep: bool,
     },
     /// There is none.
     Ban {
@@ -187,6 +199,10 @@ pub enum RoadEdit {
         /// The other.
         to: DVec2,
     },
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// A patch that stands at a place in a town, whatever its style; the other streets of the main cell there grow around it. It
@@ -214,6 +230,8 @@ pub enum EditList {
     Settlements,
     /// `influences`
     Influences,
+    /// `influence_maps`
+    InfluenceMaps,
     /// `way_points`
     WayPoints,
     /// `roads`
@@ -228,6 +246,7 @@ impl EditList {
         match self {
             Self::Settlements => "settlements",
             Self::Influences => "influences",
+            Self::InfluenceMaps => "influence_maps",
             Self::WayPoints => "way_points",
             Self::Roads => "roads",
             Self::Patches => "patches",
@@ -262,6 +281,35 @@ impl Edits {
         Ok(edits)
     }
 
+    /// Moves every place that the edits name, as a projection does. Painted maps stay.
+    pub fn move_places(&mut self, to: impl Fn(DVec2) -> DVec2) {
+        let mut places: Vec<&mut DVec2> = Vec::new();
+        for edit in &mut self.settlements {
+            match edit {
+                SettlementEdit::Pin { at, .. } | SettlementEdit::Ban { at, .. } => places.push(at),
+                SettlementEdit::Move { from, to } => places.extend([from, to]),
+            }
+        }
+        for influence in &mut self.influences {
+            match &mut influence.shape {
+                Shape::Point(p) => places.push(p),
+                Shape::Curve(line) | Shape::Area(line) => places.extend(line),
+            }
+        }
+        for edit in &mut self.roads {
+            match edit {
+                RoadEdit::Keep { from, to } | RoadEdit::Ban { from, to } => places.extend([from, to]),
+                RoadEdit::Via { from, to, points, .. } => {
+                    places.extend([from, to]);
+                    places.extend(points);
+                }
+            }
+        }
+        places.extend(self.way_points.iter_mut().map(|w| &mut w.at));
+        places.extend(self.patches.iter_mut().map(|p| &mut p.at));
+        places.into_iter().for_each(|p| *p = to(*p));
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -277,32 +325,10 @@ impl Edits {
         }
         all(EditList::Settlements, &self.settlements, SettlementEdit::check)?;
         all(EditList::Influences, &self.influences, Influence::check)?;
+        all(EditList::InfluenceMaps, &self.influence_maps, InfluenceMap::check)?;
         all(EditList::WayPoints, &self.way_points, WayPoint::check)?;
         all(EditList::Roads, &self.roads, RoadEdit::check)?;
         all(EditList::Patches, &self.patches, PatchEdit::check)
-    }
-}
-
-fn number(field: &str, value: f64, (low, high): (f64, f64)) -> Result<(), String> {
-    RangeError::check(field, value, low, high).map_err(|e| e.to_string())
-}
-
-fn place(field: &str, p: DVec2) -> Result<(), String> {
-    [("x", p.x), ("y", p.y)]
-        .into_iter()
-        .try_for_each(|(axis, v)| number(&format!("{field}.{axis}"), v, (-FARTHEST, FARTHEST)))
-}
-
-/// Points of a line, of which no two neighbours are the same.
-fn points(field: &str, line: &[DVec2], (least, most): (usize, usize)) -> Result<(), String> {
-    let count = line.len();
-    if !(least..=most).contains(&count) {
-        return Err(format!("{field} has {count} points; allowed is {least} to {most}"));
-    }
-    line.iter().enumerate().try_for_each(|(i, p)| place(&format!("{field}[{i}]"), *p))?;
-    match line.windows(2).position(|w| w[0] == w[1]) {
-        Some(i) => Err(format!("{field}[{}] is the point before again", i + 1)),
-        None => Ok(()),
     }
 }
 
@@ -343,11 +369,8 @@ impl Influence {
             }
         }
         number("radius", self.radius, (10.0, 20_000.0))?;
-        number("strength", self.strength, (-10.0, 100.0))?;
-        match self.classes.iter().find(|c| !c.is_road()) {
-            Some(class) => Err(format!("classes holds {class:?}; allowed are Highway, Major, Minor")),
-            None => Ok(()),
-        }
+        number("strength", self.strength, STRENGTHS)?;
+        road_classes(&self.classes)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::space::Bounds;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Why a layer gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,7 +27,14 @@ pub enum LayerError {
 
 /// A token that stops work nobody waits for any more. Clones share one flag.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct Cancel(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    set: AtomicBool,
+    /// Steps until the token sets itself.
+    rest: Option<AtomicU64>,
+}
 
 impl Cancel {
     /// A token that is not set.
@@ -35,18 +42,29 @@ impl Cancel {
         Self::default()
     }
 
+    /// A token that sets itself once work has taken more than `steps` steps. Unlike a time, the number of steps of some work is
+    /// about the same on every machine; a step is what happens between two [checks](Self::check).
+    pub fn after(steps: u64) -> Self {
+        Self(Arc::new(State { set: AtomicBool::new(false), rest: Some(AtomicU64::new(steps)) }))
+    }
+
     /// Asks the work to stop.
     pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.0.set.store(true, Ordering::Relaxed);
     }
 
     /// Whether the work should stop.
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.set.load(Ordering::Relaxed)
     }
 
     /// An error once the token is set; called between steps.
     pub fn check(&self) -> Result<(), LayerError> {
+        if let Some(rest) = &self.0.rest
+            && rest.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |r| r.checked_sub(1)).is_err()
+        {
+            self.cancel();
+        }
         if self.is_cancelled() { Err(LayerError::Cancelled) } else { Ok(()) }
     }
 }
@@ -99,5 +117,8 @@ mod tests {
         let clone = token.clone();
         token.cancel();
         assert_eq!(clone.check(), Err(LayerError::Cancelled));
+        let bounded = Cancel::after(2);
+        assert_eq!([0; 3].map(|_| bounded.check().is_ok()), [true, true, false]);
+        assert!(bounded.is_cancelled());
     }
 }

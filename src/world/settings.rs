@@ -78,6 +78,7 @@ impl Settings {
         self.terrain.check().map_err(|e| e.within("terrain"))?;
         self.settlements.check().map_err(|e| e.within("settlements"))?;
         self.roads.check().map_err(|e| e.within("roads"))?;
+        self.roads.check_effort(&self.settlements).map_err(|e| e.within("roads"))?;
         let c = &self.cache;
         for (field, mib) in [("region_mib", c.region_mib), ("town_mib", c.town_mib), ("chunk_mib", c.chunk_mib)] {
             RangeError::check(field, mib, 8.0, 65_536.0).map_err(|e| e.within("cache"))?;

@@ -50,7 +50,6 @@ fn a_flag_without_a_use_is_refused() {
     let map = |name| ["map", "-o", name];
     let cases: &[(&[&str], &[&str])] = &[
         (&roads, &["--seed", "3"]),
-        (&roads, &["--edits", "missing.ron"]),
         (&roads, &["--assets", "missing"]),
         (&roads, &["--cell", "30"]),
         (&["roads", "--terrain", "a.asc", "--settlements", "b.csv", "-o", "c.geojson"], &["--pixels", "300"]),
@@ -333,6 +332,33 @@ fn roads_of_a_finite_domain() {
 }
 
 #[test]
+fn roads_follow_edits() {
+    let [grid, towns] = country("wishes", TOWNS);
+    let out = file("wishes.geojson", "").to_string_lossy().into_owned();
+    let base = ["roads", "--terrain", &grid, "--settlements", &towns, "--sea-level", "-50", "-o", &out];
+    let count = |report: &Value, key: &str| report[key].as_array().map(Vec::len);
+    let plain = json(&base);
+    let head = "ncols 60\nnrows 40\nxllcorner 1000\nyllcorner -2000\ncellsize 250\nNODATA_value -9999\n";
+    file("wishes.asc", &format!("{head}{}\n", vec![vec!["-9999"; 60].join(" "); 40].join("\n")));
+    let text = "(\n  settlements: [Pin(at: (10000, 4000), size: Village, name: \"New\")],\n  \
+                roads: [\n    Ban(from: (2500, 1000), to: (7000, 2200)),\n    Keep(from: (0, 0), to: (7000, 2200)),\n  ],\n  \
+                influence_maps: [(file: \"wishes.asc\")],\n  patches: [(patch: \"cross\", at: (0, 0))],\n)";
+    let edits = file("wishes.ron", text).to_string_lossy().into_owned();
+    let output = sprawl(&[&base[..], &["--edits", &edits, "--json"]].concat());
+    let lines = String::from_utf8(output.stderr).expect("UTF-8");
+    for expected in ["wishes.ron:8:", "patches have no use here", "wishes.ron:5:5: roads[1]: no settlement is at 0,0"] {
+        assert!(lines.contains(expected), "{lines}");
+    }
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!((count(&report, "rejected_edits"), count(&report, "settlements")), (Some(1), Some(7)), "{report}");
+    let highways = |report: &Value| report["totals"]["classes"]["highway"]["roads"].clone();
+    assert_eq!((highways(&plain), highways(&report)), (Value::from(1), Value::from(0)));
+    assert!(refused(&[&base[..], &["--edits", "missing.ron"]].concat()).contains("missing.ron: "));
+    let unread = file("unread.ron", "(influence_maps: [(file: \"nowhere.asc\")])").to_string_lossy().into_owned();
+    assert!(refused(&[&base[..], &["--edits", &unread]].concat()).contains("nowhere.asc: "));
+}
+
+#[test]
 fn roads_name_the_settings_without_a_use() {
     let [grid, towns] = country("unused", TOWNS);
     let text = "(\n  terrain: (sea_share: 0.2),\n  roads: (minor: (gamma: inf)),\n  cache: (region_mib: 64),\n)";
@@ -341,7 +367,9 @@ fn roads_name_the_settings_without_a_use() {
     let all = ["roads", "--terrain", &grid, "--settlements", &towns, "-o", &out, "--settings", &settings, "--json"];
     let output = sprawl(&all);
     let lines = String::from_utf8(output.stderr).expect("UTF-8");
-    for expected in ["unused.ron:2:13: terrain.sea_share has no use here", "unused.ron:4:11: cache.region_mib has no use"] {
+    for expected in
+        ["unused.ron:2:13: terrain.sea_share has no use here", "unused.ron:4:11: cache.region_mib has no use"]
+    {
         assert!(lines.contains(expected), "{lines}");
     }
     assert_eq!(lines.lines().count(), 2, "{lines}");

@@ -31,6 +31,9 @@ pub struct Common {
     /// The edits that the world cannot fulfil, known once the world is made with a file of edits.
     #[arg(skip)]
     pub rejected: OnceLock<Vec<String>>,
+    /// The painted maps that the file of edits names, known once it is read.
+    #[arg(skip)]
+    pub maps: OnceLock<Vec<PathBuf>>,
 }
 
 /// A flag of [`Common`] that not every command uses.
@@ -62,9 +65,10 @@ impl Common {
         }
     }
 
-    /// The files that the flags name, and those of the folder of assets.
+    /// The files that the flags name, those that these name, and those of the folder of assets.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let mut out: Vec<PathBuf> = self.settings.iter().chain(&self.edits).cloned().collect();
+        let maps = self.maps.get().into_iter().flatten();
+        let mut out: Vec<PathBuf> = self.settings.iter().chain(&self.edits).chain(maps).cloned().collect();
         for folder in self.assets.iter().flat_map(|dir| [dir.join("styles"), dir.join("patches")]) {
             // A folder that cannot be read is refused when the assets are.
             out.extend(std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()));

@@ -3,12 +3,14 @@
 mod beside;
 mod common;
 mod digest;
+mod edits;
 mod expressive;
 mod fail;
 mod map;
 mod output;
 mod patches;
 mod random_edits;
+mod raster;
 mod roads;
 mod seams;
 mod settlements;

@@ -53,7 +53,7 @@ impl Draw {
         let along = |i: usize| (i as f64 + 1.0) / (count as f64 + 1.0);
         let points =
             (0..count).map(|i| from.lerp(to, along(i)) + (to - from).perp() * (0.25 * self.stream.signed())).collect();
-        RoadEdit::Via { from, to, points }
+        RoadEdit::Via { from, to, points, keep: true }
     }
 }
 

@@ -8,14 +8,18 @@ mod report;
 mod settings;
 
 use crate::common::{Common, Flag};
+use crate::edits::EditsFile;
 use crate::fail::Fail;
 use crate::output::{Format, Output, write, write_pair};
 use crate::work;
 pub use args::RoadsArgs;
+use bevy_sprawl::edits::{Edits, SettlementEdit};
 use bevy_sprawl::export::svg::MapStyle;
 use bevy_sprawl::export::{self, ExportError, Plan};
-use bevy_sprawl::layer::FileError;
-use bevy_sprawl::region::{NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementTable};
+use bevy_sprawl::layer::{FileError, error_at};
+use bevy_sprawl::region::{
+    NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementSettings, SettlementTable,
+};
 use bevy_sprawl::space::Bounds;
 use bevy_sprawl::terrain::RasterTerrain;
 use bevy_sprawl::world::Settings;
@@ -34,7 +38,7 @@ const NODES: (f64, f64) = (256.0, 1_024.0);
 pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let formats = [("svg", Format::Svg), ("png", Format::Png), ("geojson", Format::GeoJson)];
     let format = Format::of(&args.output, &formats)?;
-    common.refuse("`sprawl roads`", &[Flag::Seed, Flag::Assets, Flag::Edits])?;
+    common.refuse("`sprawl roads`", &[Flag::Seed, Flag::Assets])?;
     if format == Format::GeoJson && (args.pixels.is_some() || args.compare) {
         return Err(Fail::input("--pixels and --compare need a picture: a name that ends in .svg or .png"));
     }
@@ -44,10 +48,9 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         None => None,
     };
     let settings = file.as_ref().map_or_else(Settings::default, |f| f.settings.clone());
-    let warnings: Vec<String> = file.iter().flat_map(|f| &f.warnings).map(ToString::to_string).collect();
-    warnings.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
     let ground::Land { terrain, cell, geographic } = ground::read(args)?;
     let domain = terrain.bounds();
+    let edits = EditsFile::read(common, geographic.as_ref())?;
     let table = {
         let content = std::fs::read(&args.settlements).map_err(|e| Fail::file(&args.settlements, e))?;
         let name = args.settlements.to_string_lossy();
@@ -64,10 +67,20 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         None => None,
     };
     let mut out = Output::create(&args.output, &inputs(common, args))?;
+    let mut warnings: Vec<String> = file.iter().flat_map(|f| &f.warnings).map(ToString::to_string).collect();
+    warnings.extend(edits.iter().filter(|e| !e.edits.patches.is_empty()).map(|e| {
+        error_at(&e.name, &e.text, "patches", "patches have no use here; `sprawl roads` makes no towns").to_string()
+    }));
+    warnings.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
     let read = start.elapsed();
 
     let terrain = Arc::new(terrain);
-    let network = build(common, domain, terrain.clone(), &settlements, &roads).map_err(|e| refuse(e, &table, args))?;
+    let wishes = edits.as_ref().map_or_else(Edits::default, |e| with_radii(&e.edits, &settings.settlements));
+    let network =
+        build(common, domain, terrain.clone(), &settlements, &roads, &wishes).map_err(|e| refuse(e, &table, args))?;
+    if let Some(file) = &edits {
+        file.warn(common, &network.rejected);
+    }
     let built = start.elapsed();
     let compared = real.as_ref().map(|real| Comparison::new(&network, real));
     let area = export::network(&network, settings.chunk_size);
@@ -99,6 +112,18 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         people += &compared.people();
     }
     work::print(common, &report, &people)
+}
+
+/// The edits, in which settlements without a radius get that of the settings.
+fn with_radii(edits: &Edits, settings: &SettlementSettings) -> Edits {
+    let mut out = edits.clone();
+    for edit in &mut out.settlements {
+        if let SettlementEdit::Pin { size, radius, .. } = edit {
+            let (least, greatest) = *settings.radius.of(*size);
+            radius.get_or_insert((least + greatest) / 2.0);
+        }
+    }
+    out
 }
 
 /// The files that are read.
@@ -156,6 +181,7 @@ fn build(
     terrain: Arc<RasterTerrain>,
     settlements: &[Settlement],
     settings: &RoadSettings,
+    edits: &Edits,
 ) -> Result<RoadNetwork, NetworkError> {
     let bar = ProgressBar::new(0);
     if let Ok(style) = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len}") {
@@ -169,7 +195,7 @@ fn build(
         bar.set_position(done as u64);
     };
     let task = NetworkTask { threads: work::threads(common), progress: &progress, ..NetworkTask::default() };
-    let network = RoadNetwork::build_as(domain, terrain, settlements, settings, &task);
+    let network = RoadNetwork::build_as(domain, terrain, settlements, settings, edits, &task);
     bar.finish_and_clear();
     network
 }

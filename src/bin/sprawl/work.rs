@@ -1,6 +1,7 @@
 //! What commands share: making the world, working on many threads with a progress bar, printing.
 
 use crate::common::{At, Common};
+use crate::edits::EditsFile;
 use crate::fail::Fail;
 use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::{self, Cancel, FileError, LayerError, decode_text, read_file};
@@ -37,25 +38,17 @@ pub fn world(common: &Common) -> Result<World, Fail> {
         None => WorldAssets::bundled(),
     };
     let named = common.settings.as_deref();
-    let edits = match &common.edits {
-        Some(path) => Some((path.to_string_lossy(), read(path)?)),
-        None => None,
-    };
-    let wishes = match &edits {
-        Some((file, text)) => Edits::from_ron(file, text)?,
-        None => Edits::default(),
-    };
-    let world = World::new(WorldSource { settings, assets, edits: wishes, ..WorldSource::new(Seed(common.seed())) })
-        .map_err(|e| match named {
-            Some(path) => Fail::file(path, e),
-            None => e.into(),
+    let file = EditsFile::read(common, None)?;
+    let edits = file.as_ref().map_or_else(Edits::default, |f| f.edits.clone());
+    let world =
+        World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(common.seed())) }).map_err(|e| {
+            match named {
+                Some(path) => Fail::file(path, e),
+                None => e.into(),
+            }
         })?;
-    if let Some((file, text)) = &edits {
-        let rejected = world.rejected_edits(&Cancel::new())?;
-        let lines: Vec<String> = rejected.iter().map(|e| e.in_file(file, text).to_string()).collect();
-        lines.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
-        // Each command makes one world.
-        let _ = common.rejected.set(lines);
+    if let Some(file) = file {
+        file.warn(common, &world.rejected_edits(&Cancel::new())?);
     }
     Ok(world)
 }

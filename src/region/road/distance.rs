@@ -157,8 +157,26 @@ impl Distances {
         Ok(found.0)
     }
 
-    /// The line that the corridor of a pair follows: the coarse path, or the path through the points that the user gave, unless
-    /// the ground lets no road through there. `None` where there is no path at all.
+    /// The path that the corridor of a pair follows: on the coarse lattice, or through the points that the user gave, unless the
+    /// ground lets no road through there.
+    pub fn corridor_path(
+        &self,
+        tier: SizeClass,
+        a: &Settlement,
+        b: &Settlement,
+        cancel: &Cancel,
+    ) -> Result<Arc<CoarsePath>, LayerError> {
+        let [a, b] = ordered(a, b);
+        let via = self.inputs.wishes.via(a, b);
+        if !via.is_empty()
+            && let Some(path) = coarse_path_via(&self.inputs, tier, [a, b], via, cancel)?
+        {
+            return Ok(Arc::new(path));
+        }
+        self.coarse_path(tier, a, b, cancel)
+    }
+
+    /// The line of that path. `None` where there is no path at all.
     pub fn corridor_line(
         &self,
         tier: SizeClass,
@@ -166,26 +184,19 @@ impl Distances {
         b: &Settlement,
         cancel: &Cancel,
     ) -> Result<Option<Vec<DVec2>>, LayerError> {
-        let [a, b] = ordered(a, b);
-        let via = self.inputs.wishes.via(a, b);
-        if !via.is_empty()
-            && let Some(line) = coarse_path_via(&self.inputs, tier, [a, b], via, cancel)?
-        {
-            return Ok(Some(line));
-        }
-        let coarse = self.coarse_path(tier, a, b, cancel)?;
-        Ok(coarse.cost.is_finite().then(|| coarse.line.clone()))
+        let path = self.corridor_path(tier, a, b, cancel)?;
+        Ok(path.cost.is_finite().then(|| path.line.clone()))
     }
 }
 
-/// The line through points, leg by leg, within the ellipse of the pair. Its cost has no limit, because the user wants it.
+/// The path through points, leg by leg, within the ellipse of the pair. Its cost has no limit, because the user wants it.
 fn coarse_path_via(
     inputs: &Inputs,
     tier: SizeClass,
     [a, b]: [&Settlement; 2],
     via: &[DVec2],
     cancel: &Cancel,
-) -> Result<Option<Vec<DVec2>>, LayerError> {
+) -> Result<Option<CoarsePath>, LayerError> {
     let t = inputs.tier(tier);
     let step = inputs.step() * t.coarse_step;
     let ends = [a, b].map(|s| inputs.centre_node(s, step));
@@ -193,10 +204,12 @@ fn coarse_path_via(
     let (window, least) = (ground.window, ground.least_cost);
     let bridge_limit = t.bridge_limit + step as f64;
     let stops: Vec<DVec2> = [a.centre.plan()].into_iter().chain(via.iter().copied()).chain([b.centre.plan()]).collect();
-    let mut out = vec![stops[0]];
+    let mut out = CoarsePath { cost: 0.0, line: vec![stops[0]] };
     for leg in stops.windows(2) {
         let [from, to] = [leg[0], leg[1]].map(|p| node_near(p, step));
         let mut line = vec![leg[0]];
+        let length = leg[0].distance(leg[1]);
+        let mut cost = length;
         if from != to {
             let query = Query { window, step, from, to, limit: f64::INFINITY, bridge_limit, least };
             let found = search(&query, cancel, |node, index, heading, metres| {
@@ -204,12 +217,14 @@ fn coarse_path_via(
                 if ground.holds(next) { ground.edge((node, index), next, metres, 0.0) } else { Ok(None) }
             })?;
             let Some(found) = found else { return Ok(None) };
+            cost = found.cost * length / (stencil_distance(to - from) * step as f64);
             let last = found.nodes.len() - 1;
             line.extend(found.nodes[1..last.max(1)].iter().map(|n| node_at(*n, step)));
         }
         line.push(leg[1]);
         smooth(&mut line);
-        out.extend(&line[1..]);
+        out.cost += cost;
+        out.line.extend(&line[1..]);
     }
     Ok(Some(out))
 }

@@ -8,9 +8,9 @@ use super::nodes::Nodes;
 use super::padding::pair_padding;
 use super::samples::{SampleTile, Samples, TileKey};
 use super::settings::RoadSettings;
-use super::tier_settings::TierSettings;
 use super::source::SettlementSource;
 use super::tier::beeline;
+use super::tier_settings::TierSettings;
 use super::way_points::{self, PlacedWayPoint};
 use super::window::Window;
 use super::wishes::Wishes;
@@ -62,25 +62,27 @@ impl Inputs {
         }
     }
 
-    /// The same with the user's edits of roads, which must have been checked.
+    /// The same with the user's edits of roads, which must have been checked; in a finite domain (plan metres) if one is given.
     pub fn with_edits(
         settings: &RoadSettings,
         terrain: Arc<dyn Terrain>,
         settlements: Arc<dyn SettlementSource>,
         edits: &Edits,
+        domain: Option<Bounds>,
         budget: Budget,
     ) -> Self {
         let step = settings.step;
-        let (way_points, unplaced) = way_points::place(&edits.way_points, &*terrain, &*settlements, step);
+        let (way_points, unplaced) = way_points::place(&edits.way_points, &*terrain, &*settlements, step, domain);
         let points: Vec<_> = way_points.iter().map(|p| p.settlement.clone()).collect();
         let everywhere = Bounds::new(DVec2::NEG_INFINITY, DVec2::INFINITY);
-        let nodes = Nodes::new(&points, everywhere, &*terrain, step);
+        let nodes = Nodes::new(&points, domain.unwrap_or(everywhere), &*terrain, step);
         let settlements = way_points::with_way_points(settlements, &points);
-        let influences = Influences::new(&edits.influences);
-        let (wishes, mut rejected) = Wishes::new(&edits.roads, settings, &*terrain, &*settlements);
+        let (influences, out_of_reach) = Influences::new(edits, domain);
+        let (wishes, mut rejected) = Wishes::new(&edits.roads, settings, &*terrain, &*settlements, domain);
         rejected.extend(unplaced);
+        rejected.extend(out_of_reach);
         let plain = Self::new(settings, terrain, settlements, budget);
-        Self { nodes, influences, wishes, way_points, rejected, ..plain }
+        Self { domain: domain.map(Domain), nodes, influences, wishes, way_points, rejected, ..plain }
     }
 
     /// Spacing of the fine lattice in metres.

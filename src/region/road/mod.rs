@@ -6,7 +6,7 @@
 //! Each step is a pure function of its key, is remembered in a bounded cache, and reads only what lies nearby. A step is a small
 //! type that holds its cache and the steps that it reads (`steps` puts them together):
 //!
-//! 1. `distance` finds, for a pair of settlements, the cheapest path on a coarse lattice (`search` on `coarse` ground) within the
+//! 1. `partners` lists the pairs of settlements that are worth a search. `distance` finds, for such a pair, the cheapest path on a coarse lattice (`search` on `coarse` ground) within the
 //!    ellipse that the longest allowed road spans, and where needed the `geodesic` on the fine lattice. From these costs
 //!    `proximity` decides which pairs get a road.
 //! 2. `site` finds where roads may enter a settlement, and which lattice edges it closes.
@@ -54,6 +54,7 @@ mod cost;
 mod crossing;
 mod distance;
 mod domain;
+mod effort;
 mod field;
 mod geodesic;
 mod given;
@@ -69,6 +70,8 @@ mod nodes;
 mod overpass;
 mod overrides;
 mod padding;
+mod painted;
+mod partners;
 mod proximity;
 mod repulsion;
 mod roads;
@@ -97,9 +100,9 @@ mod wishes;
 
 pub use crossing::Crossing;
 pub use link::Link;
-pub use overrides::RoadOverrides;
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub(crate) use overpass::{OVERPASS_CLEARANCE, overpass_profile};
+pub use overrides::RoadOverrides;
 pub use roads::Roads;
 pub use sections::RoadSection;
 pub use settings::RoadSettings;

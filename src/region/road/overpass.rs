@@ -13,11 +13,11 @@
 //! is a function of the graph nearby, so there is no order of decisions.
 
 use super::budget::Budget;
+use super::crossing::Crossing;
 use super::graph::Graphs;
 use super::inputs::Inputs;
 use super::merge::{MergedGraphs, Net, Rules, longest_connector, longest_leg};
 use super::routes::Routes;
-use super::crossing::Crossing;
 use super::settings::RoadSettings;
 use super::tile::{rings, tile_bounds, tiles_around};
 use super::vertex::{Graph, Key, Vertex};

@@ -54,7 +54,8 @@ mod tests {
 
     #[test]
     fn a_class_that_is_named_keeps_what_is_not() {
-        let (read, mut expected) = (read("(highway: (reach: 26000), major: (), minor: (gamma: 3))"), RoadSettings::default());
+        let (read, mut expected) =
+            (read("(highway: (reach: 26000), major: (), minor: (gamma: 3))"), RoadSettings::default());
         expected.minor.gamma = 3.0;
         assert_eq!(read, expected);
         let given: RoadOverrides = from_ron("roads.ron", "(step: 90, major: (over_highways: Junction))").unwrap();
@@ -81,7 +82,7 @@ mod tests {
     #[test]
     fn errors_have_line_and_column() {
         for (text, place, reason) in [
-            ("(\n highway: (\n  reach: \"far\"),\n)", "roads.ron:3:", "f64"),
+            ("(\n highway: (\n  reach: \"far\"),\n)", "roads.ron:3:", "float"),
             ("(\n highway: (\n  rech: 3),\n)", "roads.ron:3:", "`rech`"),
             ("(minor: (highway_crossings: Ferry))", "roads.ron:1:", "`Ferry`"),
             ("(minor: 3)", "roads.ron:1:", "TierSettings"),

@@ -2,59 +2,36 @@
 //!
 //! A pair is kept unless some settlement is, over the ground, nearer to both of its ends in the sense of `gamma`.
 
-use super::budget::Budget;
 use super::distance::Distances;
 use super::inputs::Inputs;
-use super::tier_settings::TierSettings;
 use super::tier::{beeline, tier_of};
 use super::wishes::Wish;
-use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
-use crate::region::settlement::{Settlement, SettlementId};
+use crate::layer::{Cancel, LayerError, Reach};
+use crate::region::settlement::Settlement;
 use crate::space::{Bounds, math};
 use std::sync::Arc;
 
-/// A pair is not tried at all if a third settlement would rule it out by beelines even if the pair's road were this share of
-/// its beeline. A detour makes a road dearer than its beeline, but that alone could never save such a pair.
-const HOPELESS: f64 = 0.87;
 /// Relative error of ratios of distances on the coarse lattice; most errors are smaller.
 const DOUBT: f64 = 0.015;
 
-/// Whether a pair is worth a search.
-struct Tried(bool);
+/// Relative error of distances on the stencil; a search allows for it, too.
+const STENCIL_ERROR: f64 = 0.03;
 
-impl Weigh for Tried {
-    fn bytes(&self) -> usize {
-        size_of::<Self>() + 16
-    }
-}
-
-/// The proximity rule, with the pairs that were looked at.
+/// The proximity rule.
 pub(super) struct Proximity {
     inputs: Arc<Inputs>,
     distances: Arc<Distances>,
-    tried: LayerCache<(SettlementId, SettlementId), Tried>,
 }
 
 /// Whether `c` lies in the empty region of a pair at distance `ab`. Galin 2011, section 5.1, prints the inequality the other
 /// way round; an edge is kept if no such settlement exists.
-fn rules_out(ac: f64, bc: f64, ab: f64, gamma: f64) -> bool {
+pub(super) fn rules_out(ac: f64, bc: f64, ab: f64, gamma: f64) -> bool {
     ac < ab && bc < ab && math::pow(ac / ab, gamma) + math::pow(bc / ab, gamma) < 1.0
 }
 
-/// Whether one of `others` makes the search for a pair's road pointless: see [`HOPELESS`].
-pub(super) fn is_hopeless(t: &TierSettings, a: &Settlement, b: &Settlement, others: &[Arc<Settlement>]) -> bool {
-    let ab = beeline(a, b) * HOPELESS;
-    others.iter().any(|c| {
-        c.id != a.id && c.id != b.id && {
-            let (ac, bc) = (beeline(a, c), beeline(b, c));
-            ac < ab && bc < ab && rules_out(ac, bc, ab, t.gamma)
-        }
-    })
-}
-
 impl Proximity {
-    pub fn new(inputs: Arc<Inputs>, distances: Arc<Distances>, budget: Budget) -> Self {
-        Self { inputs, distances, tried: budget.cache(1) }
+    pub fn new(inputs: Arc<Inputs>, distances: Arc<Distances>) -> Self {
+        Self { inputs, distances }
     }
 
     /// Settlements of the pair's tier or above that may be nearer than `most` to both ends, by beeline.
@@ -68,19 +45,6 @@ impl Proximity {
         self.inputs.settlements.centred_in(reach.check(both)?, tier)
     }
 
-    /// Whether a pair is worth a search, because no settlement makes it [hopeless](is_hopeless). `known` are some settlements
-    /// to look at first.
-    pub fn is_tried(&self, a: &Settlement, b: &Settlement, known: &[Arc<Settlement>]) -> Result<bool, LayerError> {
-        let found = self.tried.get(&(a.id.min(b.id), a.id.max(b.id)), || {
-            let t = self.inputs.tier(tier_of(a, b));
-            let tried = self.inputs.wishes.wants(a, b)
-                || !(is_hopeless(t, a, b, known)
-                    || is_hopeless(t, a, b, &self.between(a, b, HOPELESS * beeline(a, b))?));
-            Ok(Tried(tried))
-        })?;
-        Ok(found.0)
-    }
-
     /// Whether the proximity rule keeps a pair.
     ///
     /// The rule compares distances over the ground. Distances on the coarse lattice are close to these: they decide where they
@@ -91,15 +55,18 @@ impl Proximity {
         let coarse = |a: &Settlement, b: &Settlement| -> Result<f64, LayerError> {
             Ok(self.distances.coarse_path(tier, a, b, cancel)?.cost)
         };
+        let mut led = false;
         match self.inputs.wishes.of(a, b) {
             Some(Wish::Ban) => return Ok(false),
-            Some(Wish::Keep | Wish::Via(_)) => {
+            Some(Wish::Keep | Wish::Via { keep: true, .. }) => {
                 return Ok(self.distances.corridor_line(tier, a, b, cancel)?.is_some());
             }
+            Some(Wish::Via { keep: false, .. }) => led = true,
             None => {}
         }
-        let ab = coarse(a, b)?;
-        if !ab.is_finite() {
+        // A road through points costs what it costs there (Galin 2011, section 4.3).
+        let ab = if led { self.distances.corridor_path(tier, a, b, cancel)?.cost } else { coarse(a, b)? };
+        if !ab.is_finite() || ab > t.detour * beeline(a, b) * (1.0 + STENCIL_ERROR) {
             return Ok(false);
         }
         // Everything that lies in the ellipse of a pair with one of these ends.
@@ -129,7 +96,7 @@ impl Proximity {
             if rules_out(ac, bc, least, t.gamma) {
                 return Ok(false);
             }
-            if rules_out(ac, bc, most, t.gamma) {
+            if rules_out(ac, bc, most, t.gamma) && !led {
                 doubtful.push(c);
             }
         }

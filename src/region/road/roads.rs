@@ -68,7 +68,7 @@ impl Roads {
         cache_bytes: usize,
     ) -> Self {
         let budget = Budget::new(cache_bytes);
-        let inputs = Inputs::with_edits(settings, terrain, settlements, edits, budget);
+        let inputs = Inputs::with_edits(settings, terrain, settlements, edits, None, budget);
         let way_points = inputs.way_points.iter().map(|p| p.settlement.clone()).collect();
         let searches = Searches::new(inputs, budget);
         let routes = Arc::new(searches.routes(budget));

@@ -9,6 +9,7 @@ use super::geodesic::{Stop, geodesic};
 use super::inputs::Inputs;
 use super::lattice::node_at;
 use super::padding::{SITE_STEPS, TIE_REACH};
+use super::partners::Partners;
 use super::proximity::Proximity;
 use super::route::{Route, RouteEnd};
 use super::site::{Site, Sites, Tie};
@@ -80,6 +81,7 @@ pub(super) struct Routes {
     inputs: Arc<Inputs>,
     distances: Arc<Distances>,
     proximity: Arc<Proximity>,
+    partners: Arc<Partners>,
     sites: Arc<Sites>,
     /// In a finite domain: the routes found so far, by tier, each tier sorted by id.
     found: Option<[Vec<Arc<Route>>; 3]>,
@@ -92,11 +94,13 @@ impl Routes {
         inputs: Arc<Inputs>,
         distances: Arc<Distances>,
         proximity: Arc<Proximity>,
+        partners: Arc<Partners>,
         sites: Arc<Sites>,
         budget: Budget,
     ) -> Self {
         let found = inputs.domain.map(|_| Default::default());
-        Self { inputs, distances, proximity, sites, found, routes: budget.cache(3), listed: budget.cache(3) }
+        let (routes, listed) = (budget.cache(3), budget.cache(3));
+        Self { inputs, distances, proximity, partners, sites, found, routes, listed }
     }
 
     /// Sets the routes of a tier in a finite domain, sorted by id.
@@ -143,22 +147,15 @@ impl Routes {
     /// The pairs of a tier whose road may pass through a tile.
     fn list(&self, tier: SizeClass, tile: Bounds, cancel: &Cancel) -> Result<Vec<Candidate>, LayerError> {
         let t = self.inputs.tier(tier);
-        let cell = (self.inputs.step() * t.coarse_step) as f64;
-        // Both ends of a road lie on an ellipse around each of its points, and at most the reach of the tier apart.
-        let sum = |length: f64| 1.03 * t.detour * (length + 2.0 * cell) + 2.0 * t.corridor;
-        let padding = (sum(t.reach) + t.reach + tile.size().length()) / 2.0;
+        let step = self.inputs.step();
+        let padding = t.listing_padding(step) + tile.size().length() / 2.0;
         let read = Reach::new("roads", tile, padding).bounds();
         let all = self.inputs.settlements.centred_in(read, tier)?;
-        let off: Vec<f64> = all.iter().map(|s| distance_to_box(s.centre.plan(), tile)).collect();
+        let off = |s: &Settlement| distance_to_box(s.centre.plan(), tile);
         let mut out = Vec::new();
-        for (i, a) in all.iter().enumerate() {
-            for (j, b) in all.iter().enumerate().skip(i + 1) {
-                let length = beeline(a, b);
-                if tier_of(a, b) != tier
-                    || length > t.reach
-                    || off[i] + off[j] > sum(length)
-                    || !self.proximity.is_tried(a, b, &all)?
-                {
+        for a in &all {
+            for b in self.partners.of(tier, a)?.iter().filter(|b| a.id < b.id) {
+                if off(a) + off(b) > t.longest(step, beeline(a, b)) {
                     continue;
                 }
                 let Some(line) = self.distances.corridor_line(tier, a, b, cancel)? else { continue };
@@ -173,15 +170,13 @@ impl Routes {
 
     /// Routes of one tier that begin or end at a settlement, sorted by id.
     pub fn of(&self, tier: SizeClass, s: &Settlement, cancel: &Cancel) -> Result<Vec<Arc<Route>>, LayerError> {
-        let t = self.inputs.tier(tier);
-        let read = Reach::new("roads", Bounds::of([s.centre.plan()]), t.reach).bounds();
-        let all = self.inputs.settlements.centred_in(read, tier)?;
+        if let Some(found) = &self.found {
+            let ends_here = |c: &&Arc<Route>| c.ends.iter().any(|e| e.settlement == s.id);
+            return Ok(found[tier as usize].iter().filter(ends_here).cloned().collect());
+        }
         let mut out = Vec::new();
-        for other in &all {
-            let candidate = other.id != s.id && tier_of(s, other) == tier && beeline(s, other) <= t.reach;
-            if candidate && self.proximity.is_tried(s, other, &all)? {
-                out.extend(self.between(s, other, cancel)?);
-            }
+        for other in self.partners.of(tier, s)? {
+            out.extend(self.between(s, &other, cancel)?);
         }
         out.sort_by_key(|c: &Arc<Route>| c.id);
         Ok(out)
@@ -190,6 +185,10 @@ impl Routes {
     /// The route between two settlements, if the proximity rule keeps their pair. Settlements that touch need none.
     pub fn between(&self, a: &Settlement, b: &Settlement, cancel: &Cancel) -> Result<Option<Arc<Route>>, LayerError> {
         let (a, b) = if a.id < b.id { (a, b) } else { (b, a) };
+        if let Some(found) = &self.found {
+            let joins = |c: &&Arc<Route>| c.ends[0].settlement == a.id && c.ends[1].settlement == b.id;
+            return Ok(found[tier_of(a, b) as usize].iter().find(joins).cloned());
+        }
         let found = self.routes.get(&(a.id, b.id), || {
             let built = self.proximity.keeps(a, b, cancel)? && !self.inputs.settlements.touch(a, b)?;
             let corridor = self.inputs.tier(tier_of(a, b)).corridor;

@@ -6,6 +6,7 @@ use crate::region::outline::Outline;
 use crate::region::settlement::Settlement;
 use crate::region::settlements::Settlements;
 use crate::space::Bounds;
+use glam::DVec2;
 use std::sync::Arc;
 
 /// Settlements, found by place: [`Settlements`] in an endless world, a list in a finite domain.
@@ -21,6 +22,11 @@ pub(super) trait SettlementSource: Send + Sync {
         let mut out = self.overlapping(bounds)?;
         out.retain(|s| s.size >= least);
         Ok(out)
+    }
+
+    /// Settlements that an edit may mean by a point (plan metres): all whose circle holds it, and perhaps others nearby.
+    fn named_near(&self, p: DVec2) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        self.overlapping(Bounds::new(p, p))
     }
 
     /// Outline of a settlement.

@@ -6,6 +6,7 @@ use super::graph::Graphs;
 use super::inputs::Inputs;
 use super::merge::MergedGraphs;
 use super::overpass::BuiltGraphs;
+use super::partners::Partners;
 use super::proximity::Proximity;
 use super::routes::Routes;
 use super::sections::Sections;
@@ -18,6 +19,7 @@ pub(super) struct Searches {
     pub inputs: Arc<Inputs>,
     pub distances: Arc<Distances>,
     pub proximity: Arc<Proximity>,
+    pub partners: Arc<Partners>,
     pub sites: Arc<Sites>,
 }
 
@@ -25,15 +27,17 @@ impl Searches {
     pub fn new(inputs: Inputs, budget: Budget) -> Self {
         let inputs = Arc::new(inputs);
         let distances = Arc::new(Distances::new(inputs.clone(), budget));
-        let proximity = Arc::new(Proximity::new(inputs.clone(), distances.clone(), budget));
+        let proximity = Arc::new(Proximity::new(inputs.clone(), distances.clone()));
+        let partners = Arc::new(Partners::new(inputs.clone(), budget));
         let sites = Arc::new(Sites::new(inputs.clone(), budget));
-        Self { inputs, distances, proximity, sites }
+        Self { inputs, distances, proximity, partners, sites }
     }
 
     /// The routes that these searches make. In a finite domain, none are found yet.
     pub fn routes(&self, budget: Budget) -> Routes {
         let (inputs, distances) = (self.inputs.clone(), self.distances.clone());
-        Routes::new(inputs, distances, self.proximity.clone(), self.sites.clone(), budget)
+        let (proximity, partners) = (self.proximity.clone(), self.partners.clone());
+        Routes::new(inputs, distances, proximity, partners, self.sites.clone(), budget)
     }
 }
 

@@ -202,6 +202,19 @@ impl TierSettings {
         })
     }
 
+    /// Greatest sum of the distances in metres from a point of a road to both of its settlements, which are `length` apart: both
+    /// lie on an ellipse around each point.
+    pub(super) fn longest(&self, step: i64, length: f64) -> f64 {
+        let cell = (step * self.coarse_step) as f64;
+        1.03 * self.detour * (length + 2.0 * cell) + 2.0 * self.corridor
+    }
+
+    /// Distance in metres from a place beyond which no settlement has a road of this class that passes there: both ends of a
+    /// road are at most the reach apart.
+    pub(super) fn listing_padding(&self, step: i64) -> f64 {
+        (self.longest(step, self.reach) + self.reach) / 2.0
+    }
+
     /// Distance in metres from any point of a road of this class, within which one of its two settlements has its centre. A path
     /// on the coarse lattice is at most `detour` times as long as the distance on the stencil, which is at most 1.03 beelines,
     /// and it begins half a cell from the centre. The route keeps within the corridor around that path.

@@ -16,8 +16,13 @@ pub(super) fn unfulfilled(inputs: &Inputs, routes: &Routes, cancel: &Cancel) -> 
     for (index, [a, b], wish) in inputs.wishes.wanted() {
         let route = routes.between(a, b, cancel)?;
         let reason = match (route, wish) {
+            (None, Wish::Via { keep: false, .. }) => format!(
+                "the road from {} to {} through these points costs too much or is dropped by the proximity rule; \
+                 keep: true builds it all the same",
+                a.name, b.name
+            ),
             (None, _) => format!("the ground allows no road between {} and {}", a.name, b.name),
-            (Some(route), Wish::Via(points)) => {
+            (Some(route), Wish::Via { points, .. }) => {
                 let line = route.line(step);
                 let missed = points.iter().find(|p| distance_to_line(**p, &line) > TOLERANCE_STEPS * step as f64);
                 let Some(p) = missed else { continue };

@@ -42,6 +42,7 @@ pub(super) fn place(
     terrain: &dyn Terrain,
     settlements: &dyn SettlementSource,
     step: i64,
+    domain: Option<Bounds>,
 ) -> (Vec<PlacedWayPoint>, Vec<RejectedEdit>) {
     let mut placed = Index::new();
     let (mut out, mut rejected) = (Vec::new(), Vec::new());
@@ -50,12 +51,14 @@ pub(super) fn place(
         let centre = Origin::at(edit.at + 0.5);
         let at = centre.plan();
         let near = placed.nearest_neighbor(at.to_array()).filter(|b| DVec2::from(*b.geom()).distance(at) < room);
-        let reason = match near {
-            Some(other) => Some(format!(
+        let beyond = domain.filter(|d| !d.contains(at));
+        let reason = match (near, beyond) {
+            (_, Some(domain)) => Some(outside(at, domain)),
+            (Some(other), None) => Some(format!(
                 "{},{} is less than {room} m from way_points[{}]; keep at least {room} m between them",
                 at.x, at.y, other.data
             )),
-            None => unsuitable(centre, terrain, settlements, step).unwrap_or_else(|e| Some(e.to_string())),
+            (None, None) => unsuitable(centre, terrain, settlements, step).unwrap_or_else(|e| Some(e.to_string())),
         };
         // The edits were checked: the class is a class of roads.
         let size = tier_of_class(edit.class).unwrap_or(SizeClass::Village);
@@ -74,6 +77,15 @@ pub(super) fn place(
     (out, rejected)
 }
 
+/// Why nothing can be at a point that a domain does not hold.
+pub(super) fn outside(p: DVec2, domain: Bounds) -> String {
+    let (low, high) = (domain.min, domain.max);
+    format!(
+        "{},{} lies outside of the domain; allowed is x {:.0} to {:.0}, y {:.0} to {:.0}",
+        p.x, p.y, low.x, high.x, low.y, high.y
+    )
+}
+
 /// Why there can be no way point at a place; `None` if there can be one.
 fn unsuitable(
     centre: Origin,
@@ -90,7 +102,9 @@ fn unsuitable(
     for s in settlements.overlapping(Bounds::square(at, 2.0 * room))? {
         let outline = settlements.outline(&s)?;
         let p = centre.offset_to(outline.origin);
-        if point_in_polygon(p, &outline.polygon) || polygon_distance(p, p, &outline.polygon) < room {
+        // In a finite domain, roads lead to the centres of small settlements.
+        let near_centre = outline.polygon.is_empty() && p.length() < room;
+        if near_centre || point_in_polygon(p, &outline.polygon) || polygon_distance(p, p, &outline.polygon) < room {
             let name = &s.name;
             return Ok(Some(format!(
                 "{},{} is less than {room} m from the outline of {name}; keep at least {room} m between them",
@@ -144,6 +158,13 @@ impl SettlementSource for WithWayPoints {
     fn overlapping(&self, bounds: Bounds) -> Result<Vec<Arc<Settlement>>, LayerError> {
         let mut out = self.settlements.overlapping(bounds)?;
         out.extend(self.inside(bounds.grown(NAMED)).cloned());
+        out.sort_by_key(|s| s.id);
+        Ok(out)
+    }
+
+    fn named_near(&self, p: DVec2) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let mut out = self.settlements.named_near(p)?;
+        out.extend(self.inside(Bounds::square(p, 2.0 * NAMED)).cloned());
         out.sort_by_key(|s| s.id);
         Ok(out)
     }

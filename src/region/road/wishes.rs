@@ -3,7 +3,7 @@
 use super::settings::RoadSettings;
 use super::source::SettlementSource;
 use super::tier::{beeline, tier_of};
-use super::way_points::NAMED;
+use super::way_points::{NAMED, outside};
 use crate::edits::{EditList, RejectedEdit, RoadEdit};
 use crate::layer::LayerError;
 use crate::region::settlement::{Settlement, SettlementId};
@@ -17,8 +17,12 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Wish {
     Keep,
-    /// Keep the road, and route it through these points, in order from the settlement with the lower id.
-    Via(Vec<DVec2>),
+    /// Route the road through these points, in order from the settlement with the lower id.
+    Via {
+        points: Vec<DVec2>,
+        /// Whether it is built whatever it costs.
+        keep: bool,
+    },
     Ban,
 }
 
@@ -43,10 +47,11 @@ impl Wishes {
         settings: &RoadSettings,
         terrain: &dyn Terrain,
         settlements: &dyn SettlementSource,
+        domain: Option<Bounds>,
     ) -> (Self, Vec<RejectedEdit>) {
         let (mut out, mut rejected) = (Self::default(), Vec::new());
         for (index, edit) in edits.iter().enumerate() {
-            let added = match resolve(edit, settings, terrain, settlements) {
+            let added = match resolve(edit, settings, terrain, settlements, domain) {
                 Ok((ends, wish)) => out.add(index, ends, wish),
                 Err(reason) => Err(reason),
             };
@@ -71,7 +76,7 @@ impl Wishes {
         self.0.get(&(a.id.min(b.id), a.id.max(b.id))).map(|w| &w.wish)
     }
 
-    /// Whether the user wants a road, whatever the proximity rule says.
+    /// Whether the user wants a road, so that it is searched whatever beelines say.
     pub fn wants(&self, a: &Settlement, b: &Settlement) -> bool {
         self.of(a, b).is_some_and(|w| *w != Wish::Ban)
     }
@@ -79,7 +84,7 @@ impl Wishes {
     /// Points that the road of a pair passes, in order from the settlement with the lower id.
     pub fn via(&self, a: &Settlement, b: &Settlement) -> &[DVec2] {
         match self.of(a, b) {
-            Some(Wish::Via(points)) => points,
+            Some(Wish::Via { points, .. }) => points,
             _ => &[],
         }
     }
@@ -92,9 +97,9 @@ impl Wishes {
 
 /// The settlement whose circle holds a point, or the way point there. Of several, the one with the nearest centre.
 fn settlement_at(settlements: &dyn SettlementSource, p: DVec2) -> Result<Option<Arc<Settlement>>, LayerError> {
-    let near = settlements.overlapping(Bounds::new(p, p))?;
+    let near = settlements.named_near(p)?;
     let apart = |s: &Settlement| s.centre.plan().distance(p);
-    let holding = near.into_iter().filter(|s| apart(s) <= s.radius.max(NAMED));
+    let holding = near.into_iter().filter(|s| apart(s) <= if s.radius > 0.0 { s.radius } else { NAMED });
     Ok(holding.min_by(|a, b| apart(a).total_cmp(&apart(b)).then(a.id.cmp(&b.id))))
 }
 
@@ -104,6 +109,7 @@ fn resolve(
     settings: &RoadSettings,
     terrain: &dyn Terrain,
     settlements: &dyn SettlementSource,
+    domain: Option<Bounds>,
 ) -> Result<([Arc<Settlement>; 2], Wish), String> {
     let find = |p: DVec2| {
         let found = settlement_at(settlements, p).map_err(|e| e.to_string())?;
@@ -133,8 +139,11 @@ fn resolve(
     let wish = match edit {
         RoadEdit::Keep { .. } => Wish::Keep,
         RoadEdit::Ban { .. } => Wish::Ban,
-        RoadEdit::Via { points, .. } => {
+        RoadEdit::Via { points, keep, .. } => {
             for p in points {
+                if let Some(d) = domain.filter(|d| !d.contains(*p)) {
+                    return Err(outside(*p, d));
+                }
                 if terrain.sample(*p).depth() > 0.0 {
                     return Err(format!("{},{} lies in water; roads pass points on land", p.x, p.y));
                 }
@@ -154,7 +163,7 @@ fn resolve(
             if turned {
                 points.reverse();
             }
-            Wish::Via(points)
+            Wish::Via { points, keep: *keep }
         }
     };
     Ok((if turned { [to, from] } else { [from, to] }, wish))

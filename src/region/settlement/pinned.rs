@@ -9,7 +9,7 @@ use super::spacing::{conflict, conflict_distance};
 use crate::edits::{EditList, RejectedEdit, SettlementEdit};
 use crate::layer::LayerError;
 use crate::network::SizeClass;
-use crate::space::{Bounds, Origin, math, stable_hash};
+use crate::space::{Bounds, Origin, Seed, math, stable_hash};
 use crate::terrain::Terrain;
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -78,7 +78,7 @@ impl Pinned {
                 SettlementEdit::Pin { at, size, name, style, radius } => {
                     match style.as_ref().filter(|s| !has_style(s)) {
                         Some(style) => Err(format!("style `{style}` is not among the styles")),
-                        None => Ok(pin(lattices, *at, *size, [name, style], *radius)),
+                        None => Ok(pin(lattices.seed, &lattices.settings, *at, *size, [name, style], *radius)),
                     }
                 }
                 SettlementEdit::Move { from, to } => {
@@ -168,8 +168,9 @@ impl Pinned {
 }
 
 /// The settlement of a pin. What the pin leaves open is drawn from the seed and the position.
-fn pin(
-    lattices: &Lattices,
+pub(in crate::region) fn pin(
+    seed: Seed,
+    settings: &SettlementSettings,
     at: DVec2,
     size: SizeClass,
     [name, style]: [&Option<String>; 2],
@@ -177,9 +178,9 @@ fn pin(
 ) -> Settlement {
     let centre = Origin::at(at + 0.5);
     let place = [centre.0.x as u64, centre.0.y as u64];
-    let mut stream = lattices.seed.stream("pinned settlement", &place);
-    let drawn = lattices.settings.draw_style(&mut stream, size);
-    let range = *lattices.settings.radius.of(size);
+    let mut stream = seed.stream("pinned settlement", &place);
+    let drawn = settings.draw_style(&mut stream, size);
+    let range = *settings.radius.of(size);
     Settlement {
         id: SettlementId(stable_hash(&[WORD, place[0], place[1]]).max(1)),
         centre,

@@ -1,5 +1,6 @@
 //! Rasters: values on a rectangular grid over a part of the plan.
 
+use crate::edits::STRENGTHS;
 use crate::layer::RangeError;
 use crate::space::{Bounds, Geographic};
 use glam::DVec2;
@@ -18,6 +19,8 @@ pub enum Band {
     Depth,
     /// Vegetation densities: 0 (bare) to 1 (dense wood).
     Vegetation,
+    /// Extra cost of roads: -10 to 100.
+    Influence,
 }
 
 impl Band {
@@ -27,6 +30,7 @@ impl Band {
             Self::Height => (-1e5, 1e5),
             Self::Depth => (0.0, 1e5),
             Self::Vegetation => (0.0, 1.0),
+            Self::Influence => STRENGTHS,
         }
     }
 
@@ -36,6 +40,7 @@ impl Band {
             Self::Height => "height",
             Self::Depth => "water depth",
             Self::Vegetation => "vegetation density",
+            Self::Influence => "influence",
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::TOWN_STEPS;
 use crate::edits::{Edits, PatchEdit, RoadEdit, SettlementEdit, Shape};
-use crate::edits::{Influence, WayPoint};
+use crate::edits::{Influence, InfluenceMap, WayPoint};
 use crate::layer::{Cancel, LayerError};
 use crate::network::SizeClass;
 use crate::network::StreetClass;
@@ -62,12 +62,22 @@ impl<'a> Spreads<'a> {
             Shape::Curve(line) => line,
             Shape::Area(border) => border,
         };
+        let box_of_shape = Bounds::of(points.iter().copied()).grown(influence.radius);
+        self.influenced(box_of_shape, &influence.classes)
+    }
+
+    fn influence_map(&self, map: &InfluenceMap) -> Place {
+        self.influenced(map.cells.as_ref().map_or(Bounds::EMPTY, |c| c.bounds()), &map.classes)
+    }
+
+    /// What an influence on roads of some classes may change, if it reaches what lies in a box.
+    fn influenced(&self, reached: Bounds, classes: &[StreetClass]) -> Place {
         let works_on = |tier: SizeClass| {
             let class = [StreetClass::Minor, StreetClass::Major, StreetClass::Highway][tier as usize];
-            influence.classes.is_empty() || influence.classes.contains(&class)
+            classes.is_empty() || classes.contains(&class)
         };
-        let reach = influence.radius + self.settings.roads.change_reach_of_influence(works_on) + self.town;
-        Place { looks: None, changes: Bounds::of(points.iter().copied()).grown(reach) }
+        let far = self.settings.roads.change_reach_of_influence(works_on) + self.town;
+        Place { looks: None, changes: reached.grown(far) }
     }
 
     fn way_point(&self, point: &WayPoint) -> Place {
@@ -135,6 +145,8 @@ pub fn changed_by_edits(settings: &Settings, before: &Edits, after: &Edits) -> V
     list(flags, both.map(|e| e.settlements.iter().map(|s| spreads.settlement(s)).collect()));
     let flags = differing(&before.influences, &after.influences);
     list(flags, both.map(|e| e.influences.iter().map(|i| spreads.influence(i)).collect()));
+    let flags = differing(&before.influence_maps, &after.influence_maps);
+    list(flags, both.map(|e| e.influence_maps.iter().map(|m| spreads.influence_map(m)).collect()));
     let flags = differing(&before.way_points, &after.way_points);
     list(flags, both.map(|e| e.way_points.iter().map(|w| spreads.way_point(w)).collect()));
     let flags = differing(&before.roads, &after.roads);

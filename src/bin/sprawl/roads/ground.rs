@@ -2,6 +2,7 @@
 
 use super::args::RoadsArgs;
 use crate::fail::{Fail, refuse_unused};
+use crate::raster::{is_picture, read as raster};
 use bevy_sprawl::layer::RangeError;
 use bevy_sprawl::space::{Bounds, Geographic};
 use bevy_sprawl::terrain::{Band, Holes, PngPlace, Raster, RasterTerrain};
@@ -51,7 +52,6 @@ pub fn read(args: &RoadsArgs) -> Result<Land, Fail> {
 
 /// Fails if a flag is given that a raster's format has no use for.
 fn check_flags(args: &RoadsArgs) -> Result<(), Fail> {
-    let is_picture = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     let picture = is_picture(&args.terrain);
     let water = args.water.as_deref().is_some_and(is_picture);
     refuse_unused([
@@ -77,22 +77,6 @@ fn heights(args: &RoadsArgs) -> Result<Raster, Fail> {
             white,
         })
     })
-}
-
-/// Reads a raster of any format; `place` says where a picture lies and what its grey means.
-fn raster(
-    path: &Path,
-    band: Band,
-    holes: Holes,
-    place: impl FnOnce() -> Result<PngPlace, Fail>,
-) -> Result<Raster, Fail> {
-    let name = path.to_string_lossy();
-    let content = std::fs::read(path).map_err(|e| Fail::file(path, e))?;
-    match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
-        Some("asc") => Ok(Raster::from_ascii(&name, &content, band, holes)?),
-        Some("png") => Ok(Raster::from_png(&name, &content, band, place()?)?),
-        _ => Err(Fail::file(path, "unknown kind of file; the name must end in .asc .png")),
-    }
 }
 
 /// The place of a picture that covers a box, black being 0.

@@ -47,7 +47,9 @@ impl SettingsFile {
 
 /// The paths of fields that have no use, in the order of their names.
 fn unused(file: &Value) -> Vec<String> {
-    fields(file, "").flat_map(|(path, value)| if USED.contains(&path.as_str()) { Vec::new() } else { inner(path, value) }).collect()
+    fields(file, "")
+        .flat_map(|(path, value)| if USED.contains(&path.as_str()) { Vec::new() } else { inner(path, value) })
+        .collect()
 }
 
 /// The fields of a value that have no use, or its own path if it has none.
@@ -77,6 +79,9 @@ mod tests {
         let text = "(chunk_size: 512, terrain: (sea_share: 0.2, vegetation: 1), cache: (), roads: (minor: (reach: 900)), \
                     settlements: (radius: (city: (1, 2)), gap: 3, spacing: (city: 4)))";
         let found = unused(&from_ron("a.ron", text).expect("it is RON"));
-        assert_eq!(found, ["cache", "settlements.gap", "settlements.spacing", "terrain.sea_share", "terrain.vegetation"]);
+        assert_eq!(
+            found,
+            ["cache", "settlements.gap", "settlements.spacing", "terrain.sea_share", "terrain.vegetation"]
+        );
     }
 }

@@ -1,13 +1,14 @@
 //! Building the network of a finite domain.
 
-use super::check::{NetworkError, check_domain, check_settlements};
+use super::check::{BuildingSite, NetworkError, check_domain};
+use super::edited::edited;
 use super::listed::{Listed, disc};
 use super::routes::find_routes;
 use super::task::NetworkTask;
+use crate::edits::{Edits, RejectedEdit};
 use crate::network::{Junction, SizeClass};
 use crate::region::outline::Outline;
 use crate::region::road::budget::Budget;
-use crate::region::road::domain::Domain;
 use crate::region::road::inputs::Inputs;
 use crate::region::road::lattice::node_at;
 use crate::region::road::link::{Link, link};
@@ -16,6 +17,7 @@ use crate::region::road::sections::RoadSection;
 use crate::region::road::settings::RoadSettings;
 use crate::region::road::steps::{Searches, sections};
 use crate::region::road::tile::tiles_in;
+use crate::region::road::unfulfilled::unfulfilled;
 use crate::region::settlement::{Settlement, SettlementId};
 use crate::space::{Bounds, Origin};
 use crate::terrain::{Scan, Terrain, TerrainSample};
@@ -29,6 +31,7 @@ const BYTES: usize = 1 << 30;
 /// Roads between the settlements of a finite domain.
 ///
 /// ```
+/// use bevy_sprawl::edits::Edits;
 /// use bevy_sprawl::region::{RoadNetwork, RoadSettings, SettlementSettings, SettlementTable};
 /// use bevy_sprawl::space::{Bounds, Seed};
 /// use bevy_sprawl::terrain::{Band, Holes, Raster, RasterTerrain};
@@ -41,7 +44,7 @@ const BYTES: usize = 1 << 30;
 ///
 /// let settlements: Vec<_> = towns.settlements().cloned().collect();
 /// let settings = RoadSettings::finite(250);
-/// let network = RoadNetwork::build(terrain.bounds(), Arc::new(terrain), &settlements, &settings)?;
+/// let network = RoadNetwork::build(terrain.bounds(), Arc::new(terrain), &settlements, &settings, &Edits::default())?;
 /// assert_eq!(network.links.len(), 3);
 /// assert!(network.unreached.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -61,6 +64,10 @@ pub struct RoadNetwork {
     pub roads: Vec<Arc<RoadSection>>,
     /// Settlements that no road reaches, because of water or cost. Sorted.
     pub unreached: Vec<SettlementId>,
+    /// The user's way points, as settlements of radius 0 that links name like others. Sorted by id.
+    pub way_points: Vec<Arc<Settlement>>,
+    /// The edits that cannot be carried out.
+    pub rejected: Vec<RejectedEdit>,
 }
 
 /// A terrain that is never read outside a box. Beyond the border of the box, everything is as at the border.
@@ -82,7 +89,8 @@ impl Terrain for Inside {
 
 impl RoadNetwork {
     /// Builds roads between `settlements`, which lie in `domain` (plan metres), over `terrain`. For `settings` see
-    /// [`RoadSettings::finite`].
+    /// [`RoadSettings::finite`]. The user's `edits`, which must have been checked, are carried out as in an endless world; pinned
+    /// settlements join the given ones, of which some may be moved or banned. Patches have no use here.
     ///
     /// # Errors
     ///
@@ -94,8 +102,9 @@ impl RoadNetwork {
         terrain: Arc<dyn Terrain>,
         settlements: &[Settlement],
         settings: &RoadSettings,
+        edits: &Edits,
     ) -> Result<Self, NetworkError> {
-        Self::build_as(domain, terrain, settlements, settings, &NetworkTask::default())
+        Self::build_as(domain, terrain, settlements, settings, edits, &NetworkTask::default())
     }
 
     /// The same on several threads, with a cancel token and a report of the progress.
@@ -108,14 +117,20 @@ impl RoadNetwork {
         terrain: Arc<dyn Terrain>,
         settlements: &[Settlement],
         settings: &RoadSettings,
+        edits: &Edits,
         task: &NetworkTask<'_>,
     ) -> Result<Self, NetworkError> {
         settings.check_finite()?;
         check_domain(domain, settings.step)?;
-        check_settlements(domain, &*terrain, settlements, settings.step)?;
-        let all: Vec<Arc<Settlement>> = settlements.iter().cloned().map(Arc::new).collect();
+        let site = BuildingSite { domain, terrain: &*terrain, step: settings.step };
+        site.check(settlements)?;
+        let (all, mut rejected) = edited(&site, settlements, &edits.settlements);
+        if all.len() < 2 {
+            return Err(NetworkError::TooFew(all.len()));
+        }
+        let all: Vec<Arc<Settlement>> = all.into_iter().map(Arc::new).collect();
         let terrain: Arc<dyn Terrain> = Arc::new(Inside { terrain, bounds: domain });
-        let (mut listed, mut searches) = searches(domain, &terrain, &all, settings, &[]);
+        let (mut listed, mut searches) = searches(domain, &terrain, &all, settings, edits, &[]);
         // Where ground and domain leave the disc of a settlement no gate, the settlement becomes a node.
         let mut nodes = Vec::new();
         for s in all.iter().filter(|s| !listed.is_node(s.id)) {
@@ -125,7 +140,7 @@ impl RoadNetwork {
         }
         if !nodes.is_empty() {
             nodes.sort_unstable();
-            (listed, searches) = self::searches(domain, &terrain, &all, settings, &nodes);
+            (listed, searches) = self::searches(domain, &terrain, &all, settings, edits, &nodes);
         }
         let budget = Budget::new(BYTES);
         let mut routes = searches.routes(budget);
@@ -138,6 +153,9 @@ impl RoadNetwork {
         let found: Vec<_> = routes.found().collect();
         let measure = |route: &&Arc<_>| Ok(Arc::new(link(inputs, &searches.distances, route, &task.cancel)?));
         let mut links = task.each("measuring roads", &found, measure)?;
+        rejected.extend(inputs.rejected.iter().cloned());
+        rejected.extend(unfulfilled(inputs, &routes, &task.cancel)?);
+        rejected.sort_by_key(|e| (e.list, e.index));
         links.sort_by_key(|l| l.id);
         let sections = sections(inputs, &routes, budget);
         let tiles: Vec<I64Vec2> = tiles_in(domain, settings.step).collect();
@@ -156,7 +174,9 @@ impl RoadNetwork {
             unreached: listed.all.iter().map(|s| s.id).filter(|id| !reached(*id)).collect(),
             settlements: listed.all.clone(),
             roads: roads.into_iter().cloned().collect(),
+            way_points: inputs.way_points.iter().map(|p| p.settlement.clone()).collect(),
             links,
+            rejected,
         })
     }
 
@@ -184,13 +204,16 @@ fn searches(
     terrain: &Arc<dyn Terrain>,
     all: &[Arc<Settlement>],
     settings: &RoadSettings,
+    edits: &Edits,
     nodes: &[SettlementId],
 ) -> (Arc<Listed>, Searches) {
     let budget = Budget::new(BYTES);
     let listed = Arc::new(Listed::new(all.to_vec(), settings.step, nodes));
-    let small: Vec<Arc<Settlement>> = listed.all.iter().filter(|s| listed.is_node(s.id)).cloned().collect();
-    let nodes = Nodes::new(&small, domain, &**terrain, settings.step);
-    let mut inputs = Inputs::new(settings, terrain.clone(), listed.clone(), budget);
-    (inputs.nodes, inputs.domain) = (nodes, Some(Domain(domain)));
+    let mut inputs = Inputs::with_edits(settings, terrain.clone(), listed.clone(), edits, Some(domain), budget);
+    let points = inputs.way_points.iter().map(|p| &p.settlement);
+    let mut small: Vec<Arc<Settlement>> =
+        listed.all.iter().filter(|s| listed.is_node(s.id)).chain(points).cloned().collect();
+    small.sort_by_key(|s| s.id);
+    inputs.nodes = Nodes::new(&small, domain, &**terrain, settings.step);
     (listed, Searches::new(inputs, budget))
 }

@@ -43,45 +43,53 @@ pub(super) fn check_domain(domain: Bounds, step: i64) -> Result<(), RangeError> 
     RangeError::check("step", step as f64, least, size.min_element() / 2.0)
 }
 
-pub(super) fn check_settlements(
-    domain: Bounds,
-    terrain: &dyn Terrain,
-    settlements: &[Settlement],
-    step: i64,
-) -> Result<(), NetworkError> {
-    if settlements.len() < 2 {
-        return Err(NetworkError::TooFew(settlements.len()));
+/// Where the settlements of a network may stand.
+pub(super) struct BuildingSite<'a> {
+    pub domain: Bounds,
+    pub terrain: &'a dyn Terrain,
+    /// Spacing of the lattice in metres.
+    pub step: i64,
+}
+
+impl BuildingSite<'_> {
+    /// Fails if one of the settlements cannot stand where it is.
+    pub fn check(&self, settlements: &[Settlement]) -> Result<(), NetworkError> {
+        for (index, s) in settlements.iter().enumerate() {
+            let wrong = self.unfit(s, &settlements[..index]);
+            wrong.map_or(Ok(()), |reason| Err(NetworkError::Settlement { index, reason }))?;
+        }
+        Ok(())
     }
-    for (index, s) in settlements.iter().enumerate() {
+
+    /// Why a settlement cannot stand where it is, beside others; `None` if it can.
+    pub fn unfit(&self, s: &Settlement, others: &[Settlement]) -> Option<String> {
         let at = s.centre.plan();
-        let wrong = |reason: String| Err(NetworkError::Settlement { index, reason });
-        if !domain.contains(at) {
-            let (low, high) = (domain.min, domain.max);
-            return wrong(format!(
+        if !self.domain.contains(at) {
+            let (low, high) = (self.domain.min, self.domain.max);
+            return Some(format!(
                 "{} at {},{} m lies outside of the domain; allowed is x {:.0} to {:.0}, y {:.0} to {:.0}",
                 s.name, at.x, at.y, low.x, high.x, low.y, high.y
             ));
         }
-        let depth = terrain.sample(at).depth();
+        let depth = self.terrain.sample(at).depth();
         if depth > 0.0 {
-            return wrong(format!(
+            return Some(format!(
                 "{} at {},{} m lies under {depth:.1} m of water; a settlement needs dry ground",
                 s.name, at.x, at.y
             ));
         }
-        for other in &settlements[..index] {
+        let least = LEAST_APART * self.step as f64;
+        others.iter().find_map(|other| {
             let apart = s.centre.offset_to(other.centre).length();
             if other.id == s.id {
-                return wrong(format!("{} and {} have the same id; every id may occur once", s.name, other.name));
+                return Some(format!("{} and {} have the same id; every id may occur once", s.name, other.name));
             }
-            let least = LEAST_APART * step as f64;
-            if apart < least {
-                return wrong(format!(
+            (apart < least).then(|| {
+                format!(
                     "{} lies {apart:.0} m from {}; keep at least {LEAST_APART} steps of the lattice ({least:.0} m) between them",
                     s.name, other.name
-                ));
-            }
-        }
+                )
+            })
+        })
     }
-    Ok(())
 }

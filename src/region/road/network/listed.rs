@@ -6,6 +6,7 @@ use crate::region::outline::Outline;
 use crate::region::road::source::SettlementSource;
 use crate::region::settlement::{Settlement, SettlementId};
 use crate::space::{Bounds, math, quantize};
+use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -77,6 +78,10 @@ impl SettlementSource for Listed {
             centre.distance_squared(centre.clamp(bounds.min, bounds.max)) <= radius * radius
         };
         Ok(self.all.iter().filter(touches).cloned().collect())
+    }
+
+    fn named_near(&self, p: DVec2) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        Ok(self.all.iter().filter(|s| s.centre.plan().distance(p) <= s.radius).cloned().collect())
     }
 
     fn outline(&self, s: &Settlement) -> Result<Arc<Outline>, LayerError> {

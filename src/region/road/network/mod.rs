@@ -7,6 +7,7 @@
 
 mod build;
 mod check;
+mod edited;
 mod listed;
 mod routes;
 mod settings;

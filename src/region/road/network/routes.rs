@@ -3,7 +3,7 @@
 use super::task::NetworkTask;
 use crate::layer::LayerError;
 use crate::network::SizeClass;
-use crate::region::road::proximity::is_hopeless;
+use crate::region::road::partners::worth_a_search;
 use crate::region::road::route::Route;
 use crate::region::road::routes::Routes;
 use crate::region::road::steps::Searches;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const WIDER: [f64; 2] = [3.0, 12.0];
 
 /// A pair of settlements.
-type Pair<'a> = (&'a Arc<Settlement>, &'a Arc<Settlement>);
+type Pair = (Arc<Settlement>, Arc<Settlement>);
 
 /// The routes of a tier, sorted by id. The routes of higher tiers are set in `routes`.
 pub(super) fn find_routes(
@@ -31,15 +31,17 @@ pub(super) fn find_routes(
     let all = searches.inputs.settlements.centred_in(everywhere, tier)?;
     let t = searches.inputs.tier(tier);
     let rows: Vec<usize> = (0..all.len()).collect();
-    let choose = |fits: &(dyn Fn(&Settlement, &Settlement) -> bool + Sync)| {
-        let row = |i: &usize| {
-            let a = &all[*i];
-            let wanted = |b: &&Arc<Settlement>| tier_of(a, b) == tier && beeline(a, b) <= t.reach && fits(a, b);
-            Ok(all[i + 1..].iter().filter(wanted).map(|b| (a, b)).collect::<Vec<_>>())
-        };
-        Ok(task.each("choosing pairs", &rows, row)?.concat())
+    let fits = |a: &Settlement, b: &Settlement| tier_of(a, b) == tier && beeline(a, b) <= t.reach;
+    let likely = |i: &usize| {
+        let a = &all[*i];
+        let found = worth_a_search(t, a, &all, |b| a.id < b.id && fits(a, b));
+        Ok(found.into_iter().map(|b| (a.clone(), b)).collect::<Vec<_>>())
     };
-    let mut wanted = choose(&|a, b| !is_hopeless(t, a, b, &all))?;
+    let mut wanted: Vec<Pair> = task.each("choosing pairs", &rows, likely)?.concat();
+    let wishes = searches.inputs.wishes.wanted().map(|(_, [a, b], _)| (a, b));
+    wanted.extend(wishes.filter(|(a, b)| fits(a, b)).map(|(a, b)| (a.clone(), b.clone())));
+    wanted.sort_by_key(|(a, b)| (a.id, b.id));
+    wanted.dedup_by_key(|(a, b)| (a.id, b.id));
     let (mut out, mut tried): (Vec<Arc<Route>>, BTreeSet<_>) = Default::default();
     // Whether a pair is hopeless is judged by beelines, which may mislead in mountains. The cheapest path from one part of the
     // network to the rest is never ruled out by the proximity rule; it is found among all pairs of different parts.
@@ -50,7 +52,12 @@ pub(super) fn find_routes(
         tried.extend(wanted.iter().map(|(a, b)| (a.id, b.id)));
         let parts = parts(&all, routes.found().chain(&out));
         let apart = |a: &Settlement, b: &Settlement| parts.get(&a.id) != parts.get(&b.id);
-        wanted = if stuck { Vec::new() } else { choose(&|a, b| apart(a, b) && !tried.contains(&(a.id, b.id)))? };
+        let missing = |i: &usize| {
+            let a = &all[*i];
+            let wanted = |b: &&Arc<Settlement>| fits(a, b) && apart(a, b) && !tried.contains(&(a.id, b.id));
+            Ok(all[i + 1..].iter().filter(wanted).map(|b| (a.clone(), b.clone())).collect::<Vec<_>>())
+        };
+        wanted = if stuck { Vec::new() } else { task.each("choosing pairs", &rows, missing)?.concat() };
     }
     out.sort_by_key(|c| c.id);
     Ok(out)
@@ -73,17 +80,17 @@ fn kept_routes(
     searches: &Searches,
     routes: &Routes,
     tier: SizeClass,
-    tried: &[Pair<'_>],
+    tried: &[Pair],
     task: &NetworkTask<'_>,
 ) -> Result<Vec<Arc<Route>>, LayerError> {
     let what = format!("finding {} roads", class_of(tier).name());
     let keeps = task.each(&what, tried, |(a, b)| searches.proximity.keeps(a, b, &task.cancel))?;
-    let mut pairs: Vec<Pair<'_>> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| *p).collect();
+    let mut pairs: Vec<Pair> = tried.iter().zip(keeps).filter(|(_, k)| *k).map(|(p, _)| p.clone()).collect();
     let mut out: Vec<Arc<Route>> = Vec::new();
     let corridor = searches.inputs.tier(tier).corridor;
     for wider in [1.0].into_iter().chain(WIDER) {
         let found = task.each(&what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, &task.cancel))?;
-        let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| *p).collect();
+        let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| p.clone()).collect();
         out.extend(found.into_iter().flatten().map(Arc::new));
         pairs = blocked;
     }

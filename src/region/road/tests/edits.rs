@@ -36,7 +36,7 @@ fn a_road_through_points_passes_them_and_still_meets_others_at_junctions() {
             let [from, to] = ends(c);
             let off = (to - from).perp() * 0.2;
             let points: Vec<DVec2> = [0.4, 0.6].map(|t| from.lerp(to, t) + off).to_vec();
-            let via = RoadEdit::Via { from: to, to: from, points: points.iter().rev().copied().collect() };
+            let via = RoadEdit::Via { from: to, to: from, points: points.iter().rev().copied().collect(), keep: true };
             let edits = Edits { roads: vec![via], ..Edits::default() };
             let roads = edited(seed, false, &edits);
             if !roads.rejected_edits(&Cancel::new()).unwrap().is_empty() {

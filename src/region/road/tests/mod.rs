@@ -3,6 +3,7 @@
 mod costs;
 mod edits;
 mod fixtures;
+mod limits;
 mod merging;
 mod network;
 mod overpass;
