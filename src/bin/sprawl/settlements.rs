@@ -26,6 +26,11 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
     let bounds = work::square(&world, &args.at, args.size)?;
     let settlements = world.settlements().centred_in(bounds)?;
     let links = world.roads().links(bounds, &Cancel::new())?;
+    let unreached = world.roads().unreached(bounds, &Cancel::new())?;
+    if !unreached.is_empty() {
+        let names: Vec<&str> = unreached.iter().map(|s| s.name.as_str()).collect();
+        eprintln!("sprawl: warning: no road leads to {}", names.join(", "));
+    }
     let mut way_points = world.roads().way_points().to_vec();
     way_points.retain(|p| bounds.contains(p.centre.plan()));
     let hex = |id: u64| format!("{id:016x}");
@@ -41,6 +46,7 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
             "id": hex(l.id.0), "from": hex(l.from.0), "to": hex(l.to.0), "class": l.class.name(),
             "length_m": l.length_m, "cost": l.cost, "bridges": l.bridges, "tunnels": l.tunnels,
         })).collect::<Vec<_>>(),
+        "unreached": unreached.iter().map(|s| hex(s.id.0)).collect::<Vec<_>>(),
     });
     if !world.edits().way_points.is_empty() {
         let point = |p: &Arc<Settlement>| {

@@ -4,7 +4,7 @@ use crate::layer::{LayerCache, Weigh};
 use std::hash::Hash;
 
 /// Number of parts that all caches of roads take together.
-const PARTS: usize = 37;
+const PARTS: usize = 39;
 
 /// The memory for all caches of roads.
 #[derive(Clone, Copy)]

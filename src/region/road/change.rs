@@ -11,10 +11,11 @@ use crate::network::SizeClass;
 impl RoadSettings {
     /// Distance in metres from a way point of class `top` that appears, disappears or changes, beyond which no road changes.
     pub(crate) fn change_reach_of_way_point(&self, top: SizeClass) -> f64 {
-        // The way point is an end of a pair, or rules out a pair both ends of which lie within reach of it.
-        self.change_reach(
-            |tier| if tier <= top { self.tier(tier).reach + self.tier(tier).padding(self.step) } else { 0.0 },
-        )
+        // The way point is an end of a pair, rules out a pair both ends of which lie within reach of it, or is the first that
+        // a settlement within reach has a way to, so that this one needs no last resort.
+        self.change_reach(|tier| {
+            if tier <= top { 2.0 * self.tier(tier).reach + self.tier(tier).padding(self.step) } else { 0.0 }
+        })
     }
 
     /// Distance in metres from a settlement's outline that changes, beyond which no road changes: roads of all classes avoid
@@ -23,7 +24,7 @@ impl RoadSettings {
         self.change_reach(|tier| {
             let t = self.tier(tier);
             let passing = SITE_STEPS * self.step as f64 + t.corridor + 2.0 * t.padding(self.step);
-            passing.max(t.reach + t.padding(self.step))
+            passing.max(2.0 * t.reach + t.padding(self.step))
         })
     }
 

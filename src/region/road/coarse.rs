@@ -1,7 +1,7 @@
 //! The ground of a pair on the coarse lattice.
 
 use super::cost::cost_over_water;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
 use super::lattice::{node_at, stencil_distance};
 use super::padding::REPULSION;
 use super::repulsion::{repulsion, repulsion_radius};
@@ -44,12 +44,12 @@ impl<'a> CoarseGround<'a> {
     /// The ground of a pair whose centres are at two nodes of the lattice of spacing `step`.
     pub fn new(
         inputs: &'a Inputs,
-        tier: SizeClass,
+        (tier, way): (SizeClass, Way),
         pair: [&Settlement; 2],
         nodes: [I64Vec2; 2],
         step: i64,
     ) -> Result<Self, LayerError> {
-        let t = inputs.tier(tier);
+        let t = inputs.tier_for(tier, way);
         let foci = nodes.map(|n| node_at(n, step));
         let limit = t.detour * (stencil_distance(nodes[1] - nodes[0]) * step as f64);
         let bounds = ellipse_bounds(foci[0], foci[1], limit);

@@ -5,7 +5,7 @@ use super::budget::Budget;
 use super::coarse::CoarseGround;
 use super::field::{Corridor, Field};
 use super::geodesic::{Stop, geodesic};
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
 use super::landmass::Landmasses;
 use super::lattice::{STENCIL, node_at, node_near, stencil_distance};
 use super::padding::REPULSION;
@@ -58,6 +58,8 @@ type PairKey = (u8, SettlementId, SettlementId);
 pub(super) struct Distances {
     inputs: Arc<Inputs>,
     coarse: LayerCache<PairKey, CoarsePath>,
+    /// Paths that are found only for settlements that would get no road.
+    costlier: LayerCache<PairKey, CoarsePath>,
     fine: LayerCache<PairKey, Distance>,
     /// In a finite domain: the landmasses of each tier, made when the first search fails.
     landmasses: [OnceLock<Landmasses>; 3],
@@ -70,7 +72,8 @@ fn ordered<'a>(a: &'a Settlement, b: &'a Settlement) -> [&'a Settlement; 2] {
 
 impl Distances {
     pub fn new(inputs: Arc<Inputs>, budget: Budget) -> Self {
-        Self { inputs, coarse: budget.cache(3), fine: budget.cache(1), landmasses: Default::default() }
+        let (coarse, costlier, fine) = (budget.cache(3), budget.cache(1), budget.cache(1));
+        Self { inputs, coarse, costlier, fine, landmasses: Default::default() }
     }
 
     /// Whether it is known that no road of a tier can lead from one node of the coarse lattice to another.
@@ -99,11 +102,32 @@ impl Distances {
         b: &Settlement,
         cancel: &Cancel,
     ) -> Result<Arc<CoarsePath>, LayerError> {
-        let [a, b] = ordered(a, b);
-        self.coarse.get(&(tier as u8, a.id, b.id), || {
+        self.path(tier, Way::Usual, ordered(a, b), cancel)
+    }
+
+    /// The same at any cost, for a settlement that would get no road.
+    pub fn costlier_path(
+        &self,
+        tier: SizeClass,
+        a: &Settlement,
+        b: &Settlement,
+        cancel: &Cancel,
+    ) -> Result<Arc<CoarsePath>, LayerError> {
+        self.path(tier, Way::Costlier, ordered(a, b), cancel)
+    }
+
+    fn path(
+        &self,
+        tier: SizeClass,
+        way: Way,
+        [a, b]: [&Settlement; 2],
+        cancel: &Cancel,
+    ) -> Result<Arc<CoarsePath>, LayerError> {
+        let held = if way == Way::Usual { &self.coarse } else { &self.costlier };
+        held.get(&(tier as u8, a.id, b.id), || {
             cancel.check()?;
             let inputs = &*self.inputs;
-            let t = inputs.tier(tier);
+            let t = inputs.tier_for(tier, way);
             let step = inputs.step() * t.coarse_step;
             let length = beeline(a, b);
             let (from, to) = (inputs.centre_node(a, step), inputs.centre_node(b, step));
@@ -111,22 +135,27 @@ impl Distances {
             if from == to {
                 return Ok(CoarsePath { cost: length, line: smooth_line([a, b], &[from], step) });
             }
-            if self.are_separate(tier, from, to) {
+            if way == Way::Usual && self.are_separate(tier, from, to) {
                 return Ok(CoarsePath::NONE);
             }
             let across = (to - from).as_dvec2().length();
-            let limit = t.detour * shortest;
-            let mut ground = CoarseGround::new(inputs, tier, [a, b], [from, to], step)?;
+            let limit = if way == Way::Usual { t.detour * shortest } else { f64::INFINITY };
+            let mut ground = CoarseGround::new(inputs, (tier, way), [a, b], [from, to], step)?;
             let bridge_limit = t.bridge_limit + step as f64;
             let (window, least) = (ground.window, ground.least_cost);
             let query = Query { window, step, from, to, limit, bridge_limit, least };
             let found = search(&query, cancel, |node, index, heading, metres| {
                 let next = node + STENCIL[heading];
+                if way == Way::Costlier && !ground.holds(next) {
+                    return Ok(None);
+                }
                 let off = ((next - from).perp_dot(to - from) as f64 * step as f64 / across / 1000.0).abs();
                 ground.edge((node, index), next, metres, OFF_BEELINE * off)
             })?;
             let Some(found) = found else {
-                self.make_landmasses(tier)?;
+                if way == Way::Usual {
+                    self.make_landmasses(tier)?;
+                }
                 return Ok(CoarsePath::NONE);
             };
             // Roads are not bound to the headings of the stencil: on open ground the cost is the beeline.
@@ -200,7 +229,7 @@ fn coarse_path_via(
     let t = inputs.tier(tier);
     let step = inputs.step() * t.coarse_step;
     let ends = [a, b].map(|s| inputs.centre_node(s, step));
-    let mut ground = CoarseGround::new(inputs, tier, [a, b], ends, step)?;
+    let mut ground = CoarseGround::new(inputs, (tier, Way::Usual), [a, b], ends, step)?;
     let (window, least) = (ground.window, ground.least_cost);
     let bridge_limit = t.bridge_limit + step as f64;
     let stops: Vec<DVec2> = [a.centre.plan()].into_iter().chain(via.iter().copied()).chain([b.centre.plan()]).collect();

@@ -23,9 +23,20 @@ use crate::terrain::Terrain;
 use glam::{DVec2, I64Vec2};
 use std::sync::Arc;
 
+/// How much a way may cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// As the settings say.
+    Usual,
+    /// Whatever it costs, with [costlier settings](TierSettings::costlier).
+    Costlier,
+}
+
 /// What roads are made from.
 pub(super) struct Inputs {
     pub settings: RoadSettings,
+    /// The settings of ways that are tried where a settlement would get no road.
+    costlier: RoadSettings,
     pub terrain: Arc<dyn Terrain>,
     pub settlements: Arc<dyn SettlementSource>,
     /// The rectangle of a finite domain; `None` in an endless world.
@@ -50,6 +61,7 @@ impl Inputs {
     ) -> Self {
         Self {
             settings: settings.clone(),
+            costlier: settings.costlier(),
             terrain,
             settlements,
             domain: None,
@@ -92,6 +104,14 @@ impl Inputs {
 
     pub fn tier(&self, tier: SizeClass) -> &TierSettings {
         self.settings.tier(tier)
+    }
+
+    /// Settings of a class of roads, or of its costlier ways.
+    pub fn tier_for(&self, tier: SizeClass, way: Way) -> &TierSettings {
+        match way {
+            Way::Usual => self.tier(tier),
+            Way::Costlier => self.costlier.tier(tier),
+        }
     }
 
     /// Samples of the terrain at the nodes of a window of the lattice of spacing `step`.

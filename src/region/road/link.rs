@@ -35,7 +35,13 @@ pub struct Link {
 pub(super) fn link(inputs: &Inputs, distances: &Distances, route: &Route, cancel: &Cancel) -> Result<Link, LayerError> {
     let settlement = |i: usize| inputs.settlement(route.ends[i].settlement, route.ends[i].centre.plan());
     let cost = match (settlement(0)?, settlement(1)?) {
-        (Some(a), Some(b)) => distances.distance(tier_of(&a, &b), &a, &b, cancel)?,
+        (Some(a), Some(b)) => {
+            let tier = tier_of(&a, &b);
+            match distances.distance(tier, &a, &b, cancel)? {
+                cost if cost.is_finite() => cost,
+                _ => distances.costlier_path(tier, &a, &b, cancel)?.cost,
+            }
+        }
         _ => f64::INFINITY,
     };
     let tunnels = route.spans.iter().filter(|s| s.tunnel).count();

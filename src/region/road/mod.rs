@@ -14,6 +14,7 @@
 //!    positions and headings on a `field` of costs, with bridges and tunnels as edges. It avoids discs around the settlements
 //!    that it does not serve or, where these leave no path, their outlines. Routes of lower tiers read routes of higher tiers,
 //!    never of their own tier, so no order among equals matters.
+//!    A settlement to which no way is cheap enough gets a costlier one (`last_resort`).
 //! 4. `graph` joins all routes into a planar graph, in tiles of 8 steps.
 //! 5. `merge` merges stretches that run beside each other and moves forks at sharp angles outwards. Then it realigns minor legs, so
 //!    that lesser roads meet better ones at blunter angles and cross them at one place.
@@ -62,6 +63,7 @@ mod graph;
 mod influence;
 mod inputs;
 mod landmass;
+mod last_resort;
 mod lattice;
 mod link;
 mod merge;

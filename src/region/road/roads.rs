@@ -138,6 +138,28 @@ impl Roads {
         Ok(out)
     }
 
+    /// Settlements centred in `bounds` (plan metres) that no road reaches and that touch no other, because water or steep ground
+    /// lies all around them. Sorted by id.
+    pub fn unreached(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Settlement>>, LayerError> {
+        let inputs = &self.searches.inputs;
+        let mut out = Vec::new();
+        for s in inputs.settlements.centred_in(bounds, SizeClass::Village)? {
+            let mut reached = s.radius == 0.0;
+            for tier in SizeClass::ALL.into_iter().filter(|tier| *tier <= s.size) {
+                reached = reached || !self.routes.of(tier, &s, cancel)?.is_empty();
+            }
+            if !reached {
+                for other in inputs.settlements.overlapping(Bounds::square(s.centre.plan(), 2.0 * s.radius))? {
+                    reached = reached || (other.id != s.id && inputs.settlements.touch(&s, &other)?);
+                }
+            }
+            if !reached {
+                out.push(s);
+            }
+        }
+        Ok(out)
+    }
+
     /// Links with at least one end in `bounds` (plan metres), sorted by id.
     pub fn links(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<Arc<Link>>, LayerError> {
         let (inputs, distances) = (&self.searches.inputs, &self.searches.distances);

@@ -6,7 +6,8 @@ use super::cost::kernel;
 use super::distance::Distances;
 use super::field::{Corridor, Field, roughness};
 use super::geodesic::{Stop, geodesic};
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
+use super::last_resort::LastResorts;
 use super::lattice::node_at;
 use super::padding::{SITE_STEPS, TIE_REACH};
 use super::partners::Partners;
@@ -82,6 +83,7 @@ pub(super) struct Routes {
     distances: Arc<Distances>,
     proximity: Arc<Proximity>,
     partners: Arc<Partners>,
+    last_resorts: LastResorts,
     sites: Arc<Sites>,
     /// In a finite domain: the routes found so far, by tier, each tier sorted by id.
     found: Option<[Vec<Arc<Route>>; 3]>,
@@ -94,19 +96,27 @@ impl Routes {
         inputs: Arc<Inputs>,
         distances: Arc<Distances>,
         proximity: Arc<Proximity>,
-        partners: Arc<Partners>,
+        (partners, last_resorts): (Arc<Partners>, LastResorts),
         sites: Arc<Sites>,
         budget: Budget,
     ) -> Self {
         let found = inputs.domain.map(|_| Default::default());
         let (routes, listed) = (budget.cache(3), budget.cache(3));
-        Self { inputs, distances, proximity, partners, sites, found, routes, listed }
+        Self { inputs, distances, proximity, partners, last_resorts, sites, found, routes, listed }
     }
 
     /// Sets the routes of a tier in a finite domain, sorted by id.
     pub fn set_found(&mut self, tier: SizeClass, routes: Vec<Arc<Route>>) {
         if let Some(found) = &mut self.found {
             found[tier as usize] = routes;
+        }
+    }
+
+    /// Adds a route of a tier in a finite domain.
+    pub fn add_found(&mut self, tier: SizeClass, route: Arc<Route>) {
+        if let Some(found) = &mut self.found {
+            found[tier as usize].push(route);
+            found[tier as usize].sort_by_key(|r| r.id);
         }
     }
 
@@ -158,7 +168,13 @@ impl Routes {
                 if off(a) + off(b) > t.longest(step, beeline(a, b)) {
                     continue;
                 }
-                let Some(line) = self.distances.corridor_line(tier, a, b, cancel)? else { continue };
+                let line = match self.distances.corridor_line(tier, a, b, cancel)? {
+                    Some(line) => line,
+                    None if self.last_resorts.joins(a, b, cancel)? => {
+                        self.distances.costlier_path(tier, a, b, cancel)?.line.clone()
+                    }
+                    None => continue,
+                };
                 let candidate = Candidate { ends: [a.clone(), b.clone()], line };
                 if candidate.nears(tile, &self.inputs) {
                     out.push(candidate);
@@ -190,27 +206,42 @@ impl Routes {
             return Ok(found[tier_of(a, b) as usize].iter().find(joins).cloned());
         }
         let found = self.routes.get(&(a.id, b.id), || {
-            let built = self.proximity.keeps(a, b, cancel)? && !self.inputs.settlements.touch(a, b)?;
             let corridor = self.inputs.tier(tier_of(a, b)).corridor;
-            let route = if built { self.search(a, b, corridor, cancel)? } else { None };
+            let kept = self.proximity.keeps(a, b, cancel)?;
+            let built = kept || self.last_resorts.joins(a, b, cancel)?;
+            if !built || self.inputs.settlements.touch(a, b)? {
+                return Ok(MaybeRoute(None));
+            }
+            let mut route = if kept { self.search(a, b, corridor, Way::Usual, cancel)? } else { None };
+            if route.is_none() {
+                route = self.search(a, b, corridor, Way::Costlier, cancel)?;
+            }
             Ok(MaybeRoute(route.map(Arc::new)))
         })?;
         Ok(found.0.clone())
     }
 
-    /// Searches the route between two settlements in a corridor of a width in metres. `None` if the land lets none through.
+    /// Searches the route between two settlements in a corridor of a width in metres. `None` if the land lets none through. A
+    /// costlier way follows the usual corridor if there is one.
     /// The settlement with the lower id comes first.
     pub fn search(
         &self,
         a: &Settlement,
         b: &Settlement,
         corridor: f64,
+        way: Way,
         cancel: &Cancel,
     ) -> Result<Option<Route>, LayerError> {
         cancel.check()?;
         let tier = tier_of(a, b);
         let step = self.inputs.step();
-        let Some(line) = self.distances.corridor_line(tier, a, b, cancel)? else { return Ok(None) };
+        let mut path = self.distances.corridor_path(tier, a, b, cancel)?;
+        if way == Way::Costlier && !path.cost.is_finite() {
+            path = self.distances.costlier_path(tier, a, b, cancel)?;
+        }
+        if !path.cost.is_finite() {
+            return Ok(None);
+        }
 
         let (site_a, site_b) = (self.sites.site(a)?, self.sites.site(b)?);
         let stops = |site: &Site, s: &Settlement| -> Vec<Stop> {
@@ -222,7 +253,7 @@ impl Routes {
         };
         let (from, to) = (stops(&site_a, a), stops(&site_b, b));
         let field = |avoid: Avoid| -> Result<Field, LayerError> {
-            let mut field = self.field(tier, [a, b], avoid, (&line, corridor), cancel)?;
+            let mut field = self.field((tier, way), [a, b], avoid, (&path.line, corridor), cancel)?;
             field.close_edges(site_a.window, &site_a.closed);
             field.close_edges(site_b.window, &site_b.closed);
             Ok(field)
@@ -262,14 +293,14 @@ impl Routes {
     /// The ground of the corridor around a line: other settlements closed, roads of higher tiers and influences added.
     fn field(
         &self,
-        tier: SizeClass,
+        (tier, way): (SizeClass, Way),
         ends: [&Settlement; 2],
         avoid: Avoid,
         (line, width): (&[DVec2], f64),
         cancel: &Cancel,
     ) -> Result<Field<'_>, LayerError> {
         let inputs = &*self.inputs;
-        let t = inputs.tier(tier);
+        let t = inputs.tier_for(tier, way);
         let step = inputs.step();
         let reach = inputs.pair_reach(tier, ends, width);
         let (mut settlements, mut roads) = (Vec::new(), Vec::new());

@@ -47,6 +47,12 @@ impl RoadSettings {
             .try_for_each(|(name, tier)| tier.check(&range).map_err(|e| e.within(name)))
     }
 
+    /// The [costlier settings](TierSettings::costlier) of all classes.
+    pub(super) fn costlier(&self) -> Self {
+        let (highway, major, minor) = (self.highway.costlier(), self.major.costlier(), self.minor.costlier());
+        Self { highway, major, minor, ..*self }
+    }
+
     /// Settings of the roads of a street class.
     pub(super) fn class(&self, class: StreetClass) -> &TierSettings {
         match class {

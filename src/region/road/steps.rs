@@ -4,6 +4,7 @@ use super::budget::Budget;
 use super::distance::Distances;
 use super::graph::Graphs;
 use super::inputs::Inputs;
+use super::last_resort::LastResorts;
 use super::merge::MergedGraphs;
 use super::overpass::BuiltGraphs;
 use super::partners::Partners;
@@ -37,7 +38,8 @@ impl Searches {
     pub fn routes(&self, budget: Budget) -> Routes {
         let (inputs, distances) = (self.inputs.clone(), self.distances.clone());
         let (proximity, partners) = (self.proximity.clone(), self.partners.clone());
-        Routes::new(inputs, distances, proximity, partners, self.sites.clone(), budget)
+        let last_resorts = LastResorts::new(inputs.clone(), distances.clone(), partners.clone(), budget);
+        Routes::new(inputs, distances, proximity, (partners, last_resorts), self.sites.clone(), budget)
     }
 }
 

@@ -5,6 +5,13 @@ use super::given::Given;
 use crate::layer::RangeError;
 use serde::{Deserialize, Serialize};
 
+/// How much steeper a way may be, and how much deeper cut, that is tried where a settlement would get no road.
+const STEEPER: f64 = 1.6;
+/// Greatest depth of water, and greatest length of a bridge and of a tunnel there, in metres, if the class allows less.
+const COSTLIER_DEPTH: f64 = 15.0;
+const COSTLIER_BRIDGE: f64 = 1_000.0;
+const COSTLIER_TUNNEL: f64 = 1_600.0;
+
 /// A number of [`TierSettings`] with its range.
 pub(super) struct TierNumber {
     pub name: &'static str,
@@ -191,6 +198,20 @@ impl TierSettings {
             radius: 250.0,
             highway_crossings: Crossing::Interchange,
             ..Self::minor()
+        }
+    }
+
+    /// The settings of a way that is tried only where a settlement would get no road: steeper, cut deeper, over wider water and
+    /// through longer tunnels. Slopes that usual roads may have cost the same. Roads reach no farther.
+    pub(super) fn costlier(&self) -> Self {
+        Self {
+            slope: self.slope * STEEPER * STEEPER,
+            slope_limit: self.slope_limit * STEEPER,
+            earthwork: self.earthwork * STEEPER,
+            depth_limit: self.depth_limit.max(COSTLIER_DEPTH),
+            bridge_limit: self.bridge_limit.max(COSTLIER_BRIDGE),
+            tunnel_limit: self.tunnel_limit.max(COSTLIER_TUNNEL),
+            ..self.clone()
         }
     }
 

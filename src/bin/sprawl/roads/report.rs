@@ -55,7 +55,8 @@ pub fn projection(projection: &Geographic) -> Json {
     })
 }
 
-fn name(network: &RoadNetwork, id: SettlementId) -> String {
+/// The name of a settlement.
+pub fn name(network: &RoadNetwork, id: SettlementId) -> String {
     let found = network.settlements.iter().find(|s| s.id == id);
     found.map_or_else(|| hex(id.0), |s| s.name.clone())
 }
@@ -69,7 +70,7 @@ pub fn people(network: &RoadNetwork, report: &Json) -> String {
         format!("{} {c} ({:.0} km)", of["roads"], km(&of["length_m"]))
     });
     let ms = |key: &str| report["timing_ms"][key].as_f64().unwrap_or(0.0) / 1000.0;
-    let mut out = format!(
+    format!(
         "{}: {} settlements, {} roads of {:.0} km: {} ({:.2} s; reading {:.2} s, drawing {:.2} s)",
         report["file"].as_str().unwrap_or_default(),
         network.settlements.len(),
@@ -79,10 +80,5 @@ pub fn people(network: &RoadNetwork, report: &Json) -> String {
         ms("build"),
         ms("read"),
         ms("write"),
-    );
-    if !network.unreached.is_empty() {
-        let names: Vec<String> = network.unreached.iter().map(|id| name(network, *id)).collect();
-        out += &format!("\nno road leads to {}", names.join(", "));
-    }
-    out
+    )
 }

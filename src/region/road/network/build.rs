@@ -3,7 +3,7 @@
 use super::check::{BuildingSite, NetworkError, check_domain};
 use super::edited::edited;
 use super::listed::{Listed, disc};
-use super::routes::find_routes;
+use super::routes::{find_routes, last_resorts};
 use super::task::NetworkTask;
 use crate::edits::{Edits, RejectedEdit};
 use crate::network::{Junction, SizeClass};
@@ -147,6 +147,9 @@ impl RoadNetwork {
         for tier in SizeClass::ALL {
             let found = find_routes(&searches, &routes, tier, task)?;
             routes.set_found(tier, found);
+        }
+        for (tier, route) in last_resorts(&searches, &routes, task)? {
+            routes.add_found(tier, route);
         }
         let routes = Arc::new(routes);
         let inputs = &searches.inputs;

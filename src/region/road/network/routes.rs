@@ -3,11 +3,14 @@
 use super::task::NetworkTask;
 use crate::layer::LayerError;
 use crate::network::SizeClass;
+use crate::region::road::inputs::Way;
+use crate::region::road::last_resort::MOST_TRIES;
 use crate::region::road::partners::worth_a_search;
 use crate::region::road::route::Route;
 use crate::region::road::routes::Routes;
 use crate::region::road::steps::Searches;
 use crate::region::road::tier::{beeline, class_of, tier_of};
+use crate::region::road::wishes::Wish;
 use crate::region::settlement::{Settlement, SettlementId};
 use crate::space::{Bounds, DisjointSets};
 use glam::DVec2;
@@ -63,6 +66,38 @@ pub(super) fn find_routes(
     Ok(out)
 }
 
+/// Routes at any cost for the settlements that the routes found so far do not reach, each to the nearest settlement that such a
+/// way leads to.
+pub(super) fn last_resorts(
+    searches: &Searches,
+    routes: &Routes,
+    task: &NetworkTask<'_>,
+) -> Result<Vec<(SizeClass, Arc<Route>)>, LayerError> {
+    let everywhere = Bounds::new(DVec2::NEG_INFINITY, DVec2::INFINITY);
+    let all = searches.inputs.settlements.centred_in(everywhere, SizeClass::Village)?;
+    let ends = routes.found().flat_map(|r| r.ends.iter().map(|e| e.settlement));
+    let mut reached: BTreeSet<SettlementId> = ends.collect();
+    let mut out = Vec::new();
+    for s in &all {
+        let mut others: Vec<&Arc<Settlement>> = all.iter().filter(|o| o.id != s.id).collect();
+        others.retain(|o| searches.inputs.wishes.of(s, o) != Some(&Wish::Ban));
+        others.sort_by(|a, b| beeline(s, a).total_cmp(&beeline(s, b)).then(a.id.cmp(&b.id)));
+        for other in others.into_iter().take(MOST_TRIES) {
+            if reached.contains(&s.id) {
+                break;
+            }
+            let (a, b) = if s.id < other.id { (s, other) } else { (other, s) };
+            let tier = tier_of(a, b);
+            let corridor = searches.inputs.tier(tier).corridor * WIDER[0];
+            if let Some(route) = routes.search(a, b, corridor, Way::Costlier, &task.cancel)? {
+                reached.extend([a.id, b.id]);
+                out.push((tier, Arc::new(route)));
+            }
+        }
+    }
+    Ok(out)
+}
+
 /// The part of the network that each settlement belongs to, as the id of one of its settlements.
 fn parts<'a>(
     all: &[Arc<Settlement>],
@@ -89,7 +124,8 @@ fn kept_routes(
     let mut out: Vec<Arc<Route>> = Vec::new();
     let corridor = searches.inputs.tier(tier).corridor;
     for wider in [1.0].into_iter().chain(WIDER) {
-        let found = task.each(&what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, &task.cancel))?;
+        let found =
+            task.each(&what, &pairs, |(a, b)| routes.search(a, b, corridor * wider, Way::Usual, &task.cancel))?;
         let blocked: Vec<_> = pairs.iter().zip(&found).filter(|(_, f)| f.is_none()).map(|(p, _)| p.clone()).collect();
         out.extend(found.into_iter().flatten().map(Arc::new));
         pairs = blocked;

@@ -471,3 +471,25 @@ fn edits_that_a_domain_cannot_fulfil_are_named() {
     assert_eq!(named, [(s, 0), (s, 1), (s, 2), one(EditList::Influences), one(EditList::WayPoints), (r, 0), (r, 1)]);
     assert_eq!(pairs(&network), pairs(&edited_row(domain, &Edits::default())));
 }
+
+#[test]
+fn who_would_get_no_road_gets_a_costlier_one() {
+    let domain = Bounds::square(DVec2::ZERO, 20_000.0);
+    let all = row(domain);
+    let alone = all[4].centre.plan();
+    let corner = |x: f64, y: f64| alone + DVec2::new(x, y) * 900.0;
+    let ring = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
+    let influence = Influence { shape: Shape::Curve(ring.to_vec()), radius: 600.0, strength: 100.0, classes: vec![] };
+    let mut settings = settings(250, 2.0);
+    settings.minor.detour = 1.5;
+    let build = |edits: &Edits| RoadNetwork::build(domain, ground(0.0, domain), &all, &settings, edits).unwrap();
+    let network = build(&Edits { influences: vec![influence.clone()], ..Edits::default() });
+    check(&network, domain, 250);
+    let links: Vec<_> = pairs(&network).into_iter().filter(|p| p.1 == 4).collect();
+    assert_eq!((links.len(), &network.unreached), (1, &vec![]), "{links:?}");
+    assert!(network.links.iter().all(|l| l.cost.is_finite()));
+    // What the user bans stays away, and the settlement is named.
+    let bans = (0..4).map(|i| RoadEdit::Ban { from: all[i].centre.plan(), to: alone });
+    let network = build(&Edits { influences: vec![influence], roads: bans.collect(), ..Edits::default() });
+    assert_eq!(network.unreached, [all[4].id]);
+}

@@ -284,3 +284,23 @@ fn highways_pass_towns_at_a_distance_and_towns_join_them() {
     }
     assert!(passed > 5 && joined * 10 >= passed * 9, "{joined} of {passed}");
 }
+
+#[test]
+fn a_town_on_a_plateau_gets_a_costlier_road() {
+    let terrain = Arc::new(crate::terrain::NoiseTerrain::new(crate::space::Seed(224), &Default::default()));
+    let towns =
+        crate::region::Settlements::new(crate::space::Seed(224), &Default::default(), terrain.clone(), 32 << 20);
+    let roads = Roads::new(&RoadSettings::default(), terrain, Arc::new(towns), 32 << 20);
+    let here = Bounds::square(DVec2::new(13_134.0, 2_626.0), 10.0);
+    let town = &roads.searches.inputs.settlements.centred_in(here, SizeClass::Town).unwrap()[0];
+    let partners = |tier| roads.searches.partners.of(tier, town).unwrap();
+    for (tier, other) in
+        [SizeClass::Town, SizeClass::Village].into_iter().flat_map(|t| partners(t).into_iter().map(move |o| (t, o)))
+    {
+        let path = roads.searches.distances.coarse_path(tier, town, &other, &Cancel::new()).unwrap();
+        assert!(path.cost.is_infinite(), "{} has a usual way", other.name);
+    }
+    assert_eq!(roads.unreached(here, &Cancel::new()).unwrap(), []);
+    let links = roads.links(here, &Cancel::new()).unwrap();
+    assert!(links.len() == 1 && links[0].cost > links[0].length_m, "{links:?}");
+}
