@@ -21,7 +21,7 @@ impl EditsFile {
     /// The edits that the common flags name, if they do, with their maps. With a projection, all places are in degrees.
     pub fn read(common: &Common, geographic: Option<&Geographic>) -> Result<Option<Self>, Fail> {
         let Some(path) = common.edits.as_deref() else { return Ok(None) };
-        let (name, text) = (path.to_string_lossy().into_owned(), crate::work::read(path)?);
+        let (name, text) = (path.to_string_lossy().into_owned(), crate::text::read(path)?);
         let mut edits = Edits::from_ron(&name, &text)?;
         let mut maps = Vec::new();
         for (index, map) in edits.influence_maps.iter_mut().enumerate() {

@@ -16,6 +16,7 @@ mod seams;
 mod settlements;
 mod soak;
 mod stats;
+mod text;
 mod towns;
 mod values;
 mod windows;

@@ -3,6 +3,7 @@
 use crate::common::{Common, Flag};
 use crate::fail::Fail;
 use crate::output::{Format, Output};
+use crate::text;
 use crate::work;
 use bevy_sprawl::export::png;
 use bevy_sprawl::layer::FileError;
@@ -49,7 +50,7 @@ pub fn run(common: &Common, args: &PatchesArgs) -> Result<(), Fail> {
 }
 
 fn read(path: &Path) -> Result<PatchSet, FileError> {
-    PatchSet::from_ron(&path.to_string_lossy(), &work::read(path)?)
+    PatchSet::from_ron(&path.to_string_lossy(), &text::read(path)?)
 }
 
 /// The files themselves, and the `*.ron` files of folders (of their folder `patches`, if they have one).

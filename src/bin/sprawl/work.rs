@@ -3,28 +3,19 @@
 use crate::common::{At, Common};
 use crate::edits::EditsFile;
 use crate::fail::Fail;
+use crate::text;
 use bevy_sprawl::edits::Edits;
-use bevy_sprawl::layer::{self, Cancel, FileError, LayerError, decode_text, read_file};
+use bevy_sprawl::layer::{self, Cancel, LayerError};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
 use bevy_sprawl::world::{Area, Settings, World, WorldAssets, WorldSource};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 use std::io::Write;
-use std::path::Path;
-
-/// Text files are read up to this size, in bytes.
-const LARGEST_TEXT: u64 = 64 << 20;
-
-/// Reads a file as text.
-pub fn read(path: &Path) -> Result<String, FileError> {
-    let content = read_file(path, LARGEST_TEXT)?;
-    Ok(decode_text(&path.to_string_lossy(), &content)?.to_owned())
-}
 
 /// The world that the common flags describe. Each edit that the world cannot fulfil is named in a line on stderr.
 pub fn world(common: &Common) -> Result<World, Fail> {
     let settings = match &common.settings {
-        Some(path) => Settings::from_ron(&path.to_string_lossy(), &read(path)?)?,
+        Some(path) => Settings::from_ron(&path.to_string_lossy(), &text::read(path)?)?,
         None => {
             // One command looks at one square and ends, so nothing that fits in memory should be made twice.
             let mut settings = Settings::default();

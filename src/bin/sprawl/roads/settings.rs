@@ -1,7 +1,7 @@
 //! The settings file of `sprawl roads`: one of a world, of which a finite domain has no use for some fields.
 
 use crate::fail::Fail;
-use crate::work;
+use crate::text;
 use bevy_sprawl::layer::{FileError, error_at, from_ron};
 use bevy_sprawl::region::{RoadOverrides, RoadSettings};
 use bevy_sprawl::world::Settings;
@@ -32,7 +32,7 @@ struct Laid {
 impl SettingsFile {
     /// Reads a file of world settings; ranges of roads are checked later, for those of a finite domain are wider.
     pub fn read(path: &Path) -> Result<Self, Fail> {
-        let (name, text) = (path.to_string_lossy().into_owned(), work::read(path)?);
+        let (name, text) = (path.to_string_lossy().into_owned(), text::read(path)?);
         let settings: Settings = from_ron(&name, &text)?;
         Settings { roads: RoadSettings::default(), ..settings.clone() }.check().map_err(|e| e.in_file(&name, &text))?;
         let Laid { roads } = from_ron(&name, &text)?;
