@@ -13,7 +13,7 @@ mod painted;
 pub use checks::STRENGTHS;
 pub use painted::{InfluenceMap, Painted};
 
-use crate::layer::{FileError, error_at, from_ron};
+use crate::layer::{FileError, error_at, errors_at_elements, from_ron};
 use crate::network::{JunctionId, SizeClass, Street, StreetClass, StreetId, crossings};
 use checks::{number, place, points, road_classes};
 use glam::DVec2;
@@ -270,6 +270,17 @@ impl RejectedEdit {
     /// The same as an error at the place where the edit is written in `text`, which was read as [`Edits`].
     pub fn in_file(&self, file: &str, text: &str) -> FileError {
         error_at(file, text, &format!("{}[{}]", self.list.name(), self.index), self)
+    }
+
+    /// Many of them as errors at their places in `text`, in the same order; the text is read once for each list.
+    pub fn all_in_file(rejected: &[Self], file: &str, text: &str) -> Vec<FileError> {
+        let lists = rejected.chunk_by(|a, b| a.list == b.list);
+        let of = |list: &[Self]| -> Vec<FileError> {
+            let Some(first) = list.first() else { return Vec::new() };
+            let errors: Vec<(usize, &Self)> = list.iter().map(|e| (e.index, e)).collect();
+            errors_at_elements(file, text, first.list.name(), errors).collect()
+        };
+        lists.flat_map(of).collect()
     }
 }
 

@@ -35,8 +35,29 @@ impl FileError {
         let before = &content[..byte.min(content.len())];
         let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
         let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-        let column = String::from_utf8_lossy(&before[line_start..]).chars().count() + 1;
-        Self::new(file, (line, column), reason)
+        Self::new(file, (line, column(&before[line_start..])), reason)
+    }
+}
+
+/// The column, from 1, behind the beginning of a line.
+fn column(before: &[u8]) -> usize {
+    String::from_utf8_lossy(before).chars().count() + 1
+}
+
+/// Where the lines of a file begin, for many errors in it.
+pub(super) struct Lines(Vec<usize>);
+
+impl Lines {
+    pub fn new(content: &[u8]) -> Self {
+        let ends = content.iter().enumerate().filter(|(_, b)| **b == b'\n');
+        Self(std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect())
+    }
+
+    /// Line and column, from 1, of a byte of the content; a byte beyond the end counts as the end.
+    pub fn place(&self, content: &[u8], byte: usize) -> (usize, usize) {
+        let byte = byte.min(content.len());
+        let line = self.0.partition_point(|start| *start <= byte);
+        (line, column(&content[self.0[line - 1]..byte]))
     }
 }
 
@@ -71,7 +92,9 @@ pub(crate) fn quoted(piece: &[u8]) -> String {
     let text = String::from_utf8_lossy(&piece[..piece.len().min(4 * MOST)]);
     let cut: String = text.chars().take(MOST).collect();
     let more = if cut.len() < text.len() || piece.len() > 4 * MOST { "..." } else { "" };
-    format!("\"{}{more}\"", cut.escape_debug())
+    // In double quotes a single one needs no escape.
+    let escaped = |c: char| if c == '\'' { c.to_string() } else { c.escape_debug().to_string() };
+    format!("\"{}{more}\"", cut.chars().map(escaped).collect::<String>())
 }
 
 #[cfg(test)]
@@ -83,7 +106,7 @@ mod tests {
         let text = "a\nL'\u{ce}le, x\n".as_bytes();
         let place = |byte| FileError::at("f", text, byte, "").to_string();
         assert_eq!([place(0), place(2), place(9), place(99)], ["f:1:1: ", "f:2:1: ", "f:2:7: ", "f:3:1: "]);
-        assert_eq!(quoted(b"a\n\xff\""), "\"a\\n\u{fffd}\\\"\"");
+        assert_eq!(quoted(b"a\n\xff\"d'O"), "\"a\\n\u{fffd}\\\"d'O\"");
         assert_eq!(quoted(&[b'x'; 999]).len(), 37);
     }
 

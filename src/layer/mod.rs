@@ -17,5 +17,5 @@ pub use file::FileError;
 pub(crate) use file::quoted;
 pub use parallel::each;
 pub use range::RangeError;
-pub use ron_text::{error_at, from_ron};
-pub use text::{decode_text, read_file};
+pub use ron_text::{error_at, errors_at_elements, from_ron, is_written};
+pub use text::{decode_text, is_asset_file, read_file, read_text, ron_files};

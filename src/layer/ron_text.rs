@@ -1,6 +1,6 @@
 //! Reading RON text, and finding the place of a value in it.
 
-use super::file::FileError;
+use super::file::{FileError, Lines};
 use serde::de::DeserializeOwned;
 use std::fmt::Display;
 
@@ -19,21 +19,73 @@ pub fn from_ron<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, FileEr
 /// A path has the names of fields and the indices of elements, such as `towns.streets[3].width`. The place is that of the
 /// last field or element of the path that is written in the text.
 pub fn error_at(file: &str, text: &str, path: &str, reason: impl Display) -> FileError {
-    FileError::at(file, text.as_bytes(), find(text, path), reason)
+    FileError::at(file, text.as_bytes(), find(text, path).0, reason)
 }
 
-/// Byte at which the last step of a path begins that is written in the text; for a field, that of its name.
-fn find(text: &str, path: &str) -> usize {
+/// Errors of elements of the list at `path`, by their indices: as [`error_at`] for each, but the text is read once.
+pub fn errors_at_elements<'a, R: Display>(
+    file: &'a str,
+    text: &'a str,
+    path: &str,
+    errors: impl IntoIterator<Item = (usize, R)> + 'a,
+) -> impl Iterator<Item = FileError> + 'a {
+    let lines = Lines::new(text.as_bytes());
+    let (list, is_written) = find(text, path);
+    let elements = if is_written { elements(text, path) } else { Vec::new() };
+    errors.into_iter().map(move |(index, reason)| {
+        let byte = elements.get(index).copied().unwrap_or(list);
+        FileError::new(file, lines.place(text.as_bytes(), byte), reason)
+    })
+}
+
+/// The bytes at which the elements of the list at a path begin.
+fn elements(text: &str, path: &str) -> Vec<usize> {
+    let mut scanner = Scanner { text: text.as_bytes(), at: 0 };
+    scanner.skip_attributes();
+    for step in steps(path) {
+        if scanner.enter(&step).is_none() {
+            return Vec::new();
+        }
+    }
+    let mut out = Vec::new();
+    scanner.skip_blank();
+    if scanner.peek() == Some(b'[') {
+        scanner.at += 1;
+        loop {
+            scanner.skip_blank();
+            if matches!(scanner.peek(), None | Some(b')' | b']' | b'}')) {
+                break;
+            }
+            out.push(scanner.at);
+            scanner.skip_value();
+            scanner.skip_blank();
+            if scanner.peek() != Some(b',') {
+                break;
+            }
+            scanner.at += 1;
+        }
+    }
+    out
+}
+
+/// Whether the value at a path is written in RON text, and not left to its default.
+pub fn is_written(text: &str, path: &str) -> bool {
+    find(text, path).1
+}
+
+/// Byte at which the last step of a path begins that is written in the text, for a field that of its name; and whether all steps
+/// are.
+fn find(text: &str, path: &str) -> (usize, bool) {
     let mut scanner = Scanner { text: text.as_bytes(), at: 0 };
     scanner.skip_attributes();
     let mut found = scanner.at;
     for step in steps(path) {
         match scanner.enter(&step) {
             Some(at) => found = at,
-            None => break,
+            None => return (found, false),
         }
     }
-    found
+    (found, true)
 }
 
 /// One step of a path.
@@ -239,7 +291,7 @@ mod tests {
 
     /// What is written at the place of a path.
     fn at<'a>(text: &'a str, path: &str) -> &'a str {
-        let rest = &text[find(text, path)..];
+        let rest = &text[find(text, path).0..];
         &rest[..rest.find([',', '\n']).unwrap_or(rest.len())]
     }
 
@@ -258,6 +310,7 @@ mod tests {
         ];
         for (path, expected) in cases {
             assert_eq!(at(text, path), expected, "{path}");
+            assert_eq!(is_written(text, path), !["list[9]", "missing.a"].contains(&path), "{path}");
         }
     }
 
@@ -270,9 +323,25 @@ mod tests {
     }
 
     #[test]
+    fn many_errors_of_a_list_are_found_in_one_pass() {
+        let text = "(\n  a: [ // [x]\n    (1, \"],\"), \u{ce}(2),\n    [3, 4],\n  ],\n  b: 1,\n)";
+        for path in ["a", "b", "c"] {
+            let errors = errors_at_elements("f", text, path, (0..4).map(|i| (i, i)));
+            for (i, error) in errors.enumerate() {
+                let path = if i < 3 && path == "a" { format!("a[{i}]") } else { path.to_owned() };
+                assert_eq!(error, error_at("f", text, &path, i), "{path}");
+            }
+        }
+        // Quadratic work on this list would take hours.
+        let long = format!("(a: [{}])", "(1, 2),\n".repeat(200_000));
+        let last = errors_at_elements("f", &long, "a", (0..200_000).map(|i| (i, ""))).last();
+        assert_eq!(last.map(|e| (e.line, e.column)), Some((200_000, 1)));
+    }
+
+    #[test]
     fn broken_text_gives_some_place() {
         for text in ["", "(", "a: [", "\"", "/*", "(a: 'x", "((((", "r#\"", ")"] {
-            assert!(find(text, "a.b[3].c") <= text.len(), "{text}");
+            assert!(find(text, "a.b[3].c").0 <= text.len(), "{text}");
         }
     }
 }

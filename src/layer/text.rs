@@ -2,30 +2,71 @@
 
 use crate::layer::file::FileError;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The mark that some Windows programs put in front of UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// How many bytes at the start of a file are searched for zeros, which text does not hold.
 const LOOK_AT: usize = 1024;
 
+/// Devices are read up to this size, in bytes: some never end (`/dev/zero`).
+const LARGEST_DEVICE: u64 = 1 << 20;
+
 /// Reads a whole file, but no more than `limit` bytes: an endless file (`/dev/zero`) or a huge one is refused instead of
-/// filling the memory.
+/// filling the memory. Of a device no more than 1 MiB is read.
 pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let name = path.to_string_lossy();
     let failed = |e: std::io::Error| FileError::unreadable(&*name, e);
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let metadata = file.metadata().map_err(failed)?;
+    let limit = if is_device(&metadata) { limit.min(LARGEST_DEVICE) } else { limit };
     let too_large = || {
         let mib = limit >> 20;
         FileError::unreadable(&*name, format!("is larger than {mib} MiB, the most that is read"))
     };
-    let file = std::fs::File::open(path).map_err(failed)?;
-    let length = file.metadata().map_err(failed)?.len();
+    let length = metadata.len();
     if length > limit {
         return Err(too_large());
     }
     let mut content = Vec::with_capacity(length as usize);
     file.take(limit.saturating_add(1)).read_to_end(&mut content).map_err(failed)?;
     if content.len() as u64 > limit { Err(too_large()) } else { Ok(content) }
+}
+
+/// The text of a whole file of at most `limit` bytes: [`read_file`] and [`decode_text`].
+pub fn read_text(path: &Path, limit: u64) -> Result<String, FileError> {
+    let content = read_file(path, limit)?;
+    Ok(decode_text(&path.to_string_lossy(), &content)?.to_owned())
+}
+
+#[cfg(unix)]
+fn is_device(metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = metadata.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &std::fs::Metadata) -> bool {
+    false
+}
+
+/// The `*.ron` files of a folder, sorted. Hidden files and those that editors leave while a file is open are not among them
+/// ([`is_asset_file`]).
+pub fn ron_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let unreadable = |e: std::io::Error| FileError::unreadable(folder.to_string_lossy(), e);
+    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+    let mut files = entries.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
+    files.retain(|f| is_asset_file(f));
+    files.sort();
+    Ok(files)
+}
+
+/// Whether a file in a folder of assets is one: a `.ron` file that is not hidden (`.x.ron`), and no lock or copy of an editor
+/// (`.#x.ron`, `~$x.ron`, `#x.ron#`, `x.ron~`, `x.ron.swp`).
+pub fn is_asset_file(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron")) && !name.starts_with(['.', '~', '#'])
 }
 
 /// The text of a file, without the byte order mark that it may start with.
@@ -130,6 +171,22 @@ mod tests {
         std::fs::remove_file(&path).unwrap();
         assert_eq!(read_file(&path, 9).unwrap_err().line, 0);
         let endless = Path::new("/dev/zero");
-        assert!(!endless.exists() || read_file(endless, 1 << 20).is_err());
+        if endless.exists() {
+            let error = read_file(endless, u64::MAX).unwrap_err();
+            assert_eq!(error.reason, "is larger than 1 MiB, the most that is read");
+        }
+        let empty = Path::new("/dev/null");
+        assert!(!empty.exists() || read_text(empty, 9).is_ok_and(|text| text.is_empty()));
+    }
+
+    #[test]
+    fn hidden_files_and_locks_of_editors_are_no_assets() {
+        for name in ["a.ron", "A.RON", "a.b.ron", "x~.ron"] {
+            assert!(is_asset_file(Path::new(name)), "{name}");
+        }
+        for name in [".a.ron", ".#a.ron", "~$a.ron", "#a.ron#", "a.ron~", ".a.ron.swp", ".DS_Store", "Thumbs.db", "ron"]
+        {
+            assert!(!is_asset_file(&Path::new("folder").join(name)), "{name}");
+        }
     }
 }

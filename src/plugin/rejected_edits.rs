@@ -82,7 +82,11 @@ fn report_rejected_edits(
     };
     let file = file.as_ref().and_then(|f| f.file()).filter(|f| f.edits == *world.edits());
     known.revision = examination.revision;
-    known.edits = edits.into_iter().map(|edit| EditRejected { place: file.map(|f| f.locate(&edit)), edit }).collect();
+    let places: Vec<Option<FileError>> = match file {
+        Some(file) => file.locate_all(&edits).into_iter().map(Some).collect(),
+        None => vec![None; edits.len()],
+    };
+    known.edits = edits.into_iter().zip(places).map(|(edit, place)| EditRejected { edit, place }).collect();
     for rejected in &known.edits {
         match &rejected.place {
             Some(place) => warn!("{place}"),

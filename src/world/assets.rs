@@ -1,73 +1,13 @@
 //! Styles and patch sets by name.
 
-use crate::edits::RejectedEdit;
-use crate::layer::{FileError, RangeError, decode_text, read_file};
+use super::error::WorldError;
+use crate::layer::{FileError, read_text, ron_files};
 use crate::patch::PatchSet;
 use crate::style::Style;
 use crate::world::Settings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Why a world cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum WorldError {
-    /// A setting is outside its range.
-    #[error(transparent)]
-    Range(#[from] RangeError),
-    /// The settings name a style that the assets lack.
-    #[error("settings name the style `{style}`, which is not among the styles: {known}")]
-    MissingStyle {
-        /// Name of the style.
-        style: String,
-        /// Names of the styles that the assets have.
-        known: String,
-    },
-    /// A style names a style for its fringe that the assets lack.
-    #[error("style `{style}` names the style `{fringe}` for its fringe, which is not among the styles: {known}")]
-    MissingFringe {
-        /// Name of the style.
-        style: String,
-        /// Name of the fringe's style.
-        fringe: String,
-        /// Names of the styles that the assets have.
-        known: String,
-    },
-    /// A style limits how often a patch stands that none of its sets has.
-    #[error("style `{style}` counts the patch `{patch}`, which none of its patch sets has")]
-    MissingPatch {
-        /// Name of the style.
-        style: String,
-        /// Name of the patch.
-        patch: String,
-    },
-    /// A style names a patch set that the assets lack.
-    #[error("style `{style}` names the patch set `{set}`, which is not among the patch sets: {known}")]
-    MissingPatchSet {
-        /// Name of the style.
-        style: String,
-        /// Name of the patch set.
-        set: String,
-        /// Names of the patch sets that the assets have.
-        known: String,
-    },
-    /// A defect of the generator, in one line. Only the plugin reports it; elsewhere a defect panics.
-    #[error("{0}")]
-    Defect(String),
-    /// An edit is outside its range.
-    #[error(transparent)]
-    Edit(#[from] RejectedEdit),
-    /// A style's tags leave it without any patch.
-    #[error(
-        "style `{style}` has no patch left: its allowed and excluded tags rule out all {patches} patches of its sets"
-    )]
-    NoPatches {
-        /// Name of the style.
-        style: String,
-        /// Number of patches in its sets.
-        patches: usize,
-    },
-}
 
 /// The styles and patch sets that a world is made from, by name.
 #[derive(Clone, Debug, Default)]
@@ -76,6 +16,16 @@ pub struct WorldAssets {
     pub styles: BTreeMap<String, Arc<Style>>,
     /// Patch sets by name.
     pub patch_sets: BTreeMap<String, Arc<PatchSet>>,
+    /// The files of the styles that were read from one, by name.
+    files: BTreeMap<String, StyleFile>,
+}
+
+/// A file that a style was read from.
+#[derive(Clone, Debug)]
+struct StyleFile {
+    name: String,
+    text: Arc<str>,
+    style: Arc<Style>,
 }
 
 macro_rules! bundled {
@@ -117,7 +67,7 @@ impl WorldAssets {
         out
     }
 
-    /// Reads the `*.ron` files under `styles/` and `patches/` in a folder.
+    /// Reads the `*.ron` files under `styles/` and `patches/` in a folder, without hidden files and locks of editors.
     ///
     /// # Errors
     ///
@@ -125,16 +75,8 @@ impl WorldAssets {
     pub fn from_dir(dir: &Path) -> Result<Self, FileError> {
         let mut out = Self::default();
         for folder in ["styles", "patches"] {
-            let folder = dir.join(folder);
-            let unreadable = |e: std::io::Error| FileError::unreadable(folder.to_string_lossy(), e);
-            let entries = std::fs::read_dir(&folder).map_err(unreadable)?;
-            let mut files = entries.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
-            files.retain(|f| f.extension().is_some_and(|e| e == "ron"));
-            files.sort();
-            for file in files {
-                let name = file.to_string_lossy();
-                let content = read_file(&file, LARGEST_FILE)?;
-                out.add(&name, decode_text(&name, &content)?)?;
+            for file in ron_files(&dir.join(folder))? {
+                out.add(&file.to_string_lossy(), &read_text(&file, LARGEST_FILE)?)?;
             }
         }
         Ok(out)
@@ -145,13 +87,22 @@ impl WorldAssets {
     pub fn add(&mut self, file: &str, text: &str) -> Result<(), FileError> {
         let folder = Path::new(file).parent().and_then(Path::file_name);
         if folder.is_some_and(|f| f == "styles") {
-            let style = Style::from_ron(file, text)?;
-            self.styles.insert(style.name.clone(), Arc::new(style));
+            let style = Arc::new(Style::from_ron(file, text)?);
+            let of = StyleFile { name: file.to_owned(), text: text.into(), style: style.clone() };
+            self.files.insert(style.name.clone(), of);
+            self.styles.insert(style.name.clone(), style);
         } else {
             let set = PatchSet::from_ron(file, text)?;
             self.patch_sets.insert(set.name.clone(), Arc::new(set));
         }
         Ok(())
+    }
+
+    /// The error of a world at its place in the file of a style. `None` where no style is at fault, or it is of no file.
+    pub fn locate(&self, error: &WorldError) -> Option<FileError> {
+        let name = error.style()?;
+        let of = self.files.get(name).filter(|f| self.styles.get(name).is_some_and(|s| Arc::ptr_eq(s, &f.style)))?;
+        Some(error.in_style(&of.style, &of.name, &of.text))
     }
 
     /// Checks that all named styles, patch sets and patches exist, and that the tags of every style leave it patches.
@@ -197,6 +148,43 @@ mod tests {
         let assets = WorldAssets::bundled();
         assert!(assets.check(&Settings::default()).is_ok());
         assert!(assets.patch_sets.values().map(|s| s.patches.len()).sum::<usize>() >= 30);
+    }
+
+    #[test]
+    fn what_is_missing_is_named_in_the_file_that_names_it() {
+        let text = "(\n  // fringe, exclude: \"forest\" \"wooden\"\n  patch_sets: [\"common\", \"grid\"],\n  FIELD\n)";
+        for (field, expected) in [
+            (
+                "fringe: (style: \"forest\", begins: 0.5, complete: 0.8),",
+                ":4:12: style `mine` names the style `forest` for its fringe",
+            ),
+            ("patches: [(patch: \"barn\")],", ":4:13: style `mine` counts the patch `barn`"),
+            ("allow: [\"typo\"],", ":4:3: style `mine` has no patch left"),
+            ("exclude: [\"straight\", \"curved\"],", ":4:3: style `mine` has no patch left"),
+        ] {
+            let mut assets = WorldAssets::bundled();
+            assets.add("my/styles/mine.ron", &text.replace("FIELD", field)).unwrap();
+            let error = assets.check(&Settings::default()).unwrap_err();
+            let found = assets.locate(&error).unwrap().to_string();
+            assert!(found.starts_with(&format!("my/styles/mine.ron{expected}")), "{found}");
+            // A style that is not the one of the file has no place there.
+            let other = Arc::new((*assets.styles["mine"]).clone());
+            assets.styles.insert("mine".into(), other);
+            assert_eq!(assets.locate(&error), None);
+        }
+        let mut assets = WorldAssets::bundled();
+        assets.add("styles/mine.ron", &text.replace("\"grid\"", "\"wooden\"").replace("FIELD", "")).unwrap();
+        let error = assets.check(&Settings::default()).unwrap_err();
+        let found = assets.locate(&error).unwrap().to_string();
+        assert!(found.starts_with("styles/mine.ron:3:26: style `mine` names the patch set `wooden`"), "{found}");
+        // Settings are at fault for what they say, not for what they leave as it is.
+        let text = "(\n  settlements: (styles: (city: [(\"grid\", 1), (\"roman\", 2)])),\n)";
+        let settings = Settings::from_ron("s.ron", text).unwrap();
+        let error = WorldAssets::bundled().check(&settings).unwrap_err();
+        let found = error.in_settings(&settings, "s.ron", text).unwrap().to_string();
+        assert!(found.starts_with("s.ron:2:47: settings name the style `roman`"), "{found}");
+        let missing = WorldAssets::default().check(&Settings::default()).unwrap_err();
+        assert_eq!(missing.in_settings(&Settings::default(), "s.ron", "()"), None);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The face of the generator.
 
 use super::area::Area;
-use super::assets::{WorldAssets, WorldError};
+use super::assets::WorldAssets;
+use super::error::WorldError;
 use super::route::Route;
 use super::settings::Settings;
 use super::source::WorldSource;

@@ -4,14 +4,16 @@
 mod area;
 mod assets;
 mod depends;
+mod error;
 mod generator;
 mod route;
 mod settings;
 mod source;
 
 pub use area::{Area, Owned};
-pub use assets::{WorldAssets, WorldError};
+pub use assets::WorldAssets;
 pub use depends::{Difference, changed_by_edits, difference, unchanged_chunks};
+pub use error::WorldError;
 pub use generator::{NearestStreet, World};
 pub use route::Route;
 pub use settings::{CacheSettings, Settings};

@@ -31,6 +31,11 @@ impl EditsFile {
     pub fn locate(&self, rejected: &RejectedEdit) -> FileError {
         rejected.in_file(&self.file, &self.text)
     }
+
+    /// The places of many of them, in the same order.
+    pub fn locate_all(&self, rejected: &[RejectedEdit]) -> Vec<FileError> {
+        RejectedEdit::all_in_file(rejected, &self.file, &self.text)
+    }
 }
 
 /// Loads an [`EditsFile`] from RON. Its error is a [`FileError`] with line and column.

@@ -2,7 +2,7 @@
 
 use super::contents::FileContents;
 use super::rejection::FileReports;
-use crate::layer::FileError;
+use crate::layer::{FileError, decode_text, is_asset_file};
 use crate::patch::PatchSet;
 use crate::plugin::frame_time::Stopwatch;
 use crate::plugin::source::{AwaitedFiles, SprawlSource};
@@ -77,18 +77,12 @@ impl SprawlFolder {
 
     /// The place of a world's error in the file of the style that causes it. `None` if no loaded style causes it.
     pub(in crate::plugin) fn locate(&self, error: &WorldError, contents: &FileContents) -> Option<FileError> {
-        let (style, wanted) = match error {
-            WorldError::MissingFringe { style, fringe, .. } => (style, format!("\"{fringe}\"")),
-            WorldError::MissingPatchSet { style, set, .. } => (style, format!("\"{set}\"")),
-            WorldError::MissingPatch { style, patch } => (style, format!("\"{patch}\"")),
-            WorldError::NoPatches { style, .. } => (style, "patch_sets".to_owned()),
-            _ => return None,
-        };
-        let (_, handle) = self.styles.iter().find(|(file, _)| asset_name(file).as_ref() == Some(style))?;
+        let style = error.style()?;
+        let (_, handle) = self.styles.iter().find(|(file, _)| asset_name(file).as_deref() == Some(style))?;
         let file = handle.path()?.to_string();
         let content = contents.get(&file)?;
-        let byte = content.windows(wanted.len()).position(|w| w == wanted.as_bytes());
-        Some(FileError::at(file, &content, byte.unwrap_or(0), error))
+        let text = decode_text(&file, &content).ok()?;
+        Some(error.in_style(&Style::from_ron(&file, text).ok()?, &file, text))
     }
 
     /// Whether files are still being read.
@@ -150,7 +144,7 @@ async fn listing(server: &AssetServer, path: &str) -> Result<Listing, FileError>
         match source.reader().read_directory(&inner).await {
             Ok(mut entries) => {
                 while let Some(entry) = entries.next().await {
-                    if entry.extension().is_some_and(|e| e == "ron") {
+                    if is_asset_file(&entry) {
                         let file = AssetPath::from_path_buf(entry).with_source(root.source().clone());
                         files.insert(file.to_string());
                     }

@@ -4,7 +4,7 @@
 //! `load::<Style>("styles/mine.ron")`.
 
 use super::contents::FileContents;
-use crate::layer::FileError;
+use crate::layer::{FileError, decode_text};
 use crate::patch::PatchSet;
 use crate::style::Style;
 use bevy::asset::io::Reader;
@@ -87,11 +87,6 @@ pub(super) async fn read(
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).await.map_err(|e| FileError::unreadable(&*file, e))?;
     contents.set(&file, &bytes);
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-        let line = good.iter().filter(|b| **b == b'\n').count() + 1;
-        let column = good.iter().rev().take_while(|b| **b != b'\n').count() + 1;
-        FileError { file: file.clone(), line, column, reason: "the file is not UTF-8 text".into() }
-    })?;
+    let text = decode_text(&file, &bytes)?.to_owned();
     Ok((file, text))
 }

@@ -107,8 +107,17 @@ impl SettlementSettings {
 
     /// Names of all styles that settlements may get.
     pub fn style_names(&self) -> impl Iterator<Item = &str> {
-        let steep = Some(self.steep.0.as_str()).filter(|name| !name.is_empty());
-        SizeClass::ALL.into_iter().flat_map(|size| self.styles.of(size)).map(|(name, _)| name.as_str()).chain(steep)
+        self.styles_by_path().map(|(_, name)| name)
+    }
+
+    /// The same with the path of each in a file of these settings, such as `styles.city[0]`.
+    pub fn styles_by_path(&self) -> impl Iterator<Item = (String, &str)> {
+        let steep = Some(("steep".to_owned(), self.steep.0.as_str())).filter(|(_, name)| !name.is_empty());
+        let of = |size: SizeClass| {
+            let styles = self.styles.of(size).iter().enumerate();
+            styles.map(move |(i, (name, _))| (format!("styles.{}[{i}]", size.name()), name.as_str()))
+        };
+        SizeClass::ALL.into_iter().flat_map(of).chain(steep)
     }
 
     /// The style that a settlement gets because of the mean slope of its ground, if that is steep.
