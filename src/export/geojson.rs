@@ -1,9 +1,9 @@
-//! GeoJSON in plan metres: streets, roads, junctions, blocks, lots, buildings and settlements.
+//! GeoJSON in plan metres, or in degrees where the plan lies on the globe: streets, roads, junctions, blocks, lots, buildings and settlements.
 
 use crate::export::{ExportError, Plan, hex};
 use crate::network::{JunctionId, SizeClass, StreetClass};
 use crate::parcel::BlockUse;
-use crate::space::ChunkCoord;
+use crate::space::{Bounds, ChunkCoord, Geographic};
 use crate::world::Owned;
 use glam::DVec2;
 use serde_json::{Map, Value, json};
@@ -16,9 +16,11 @@ use geojson::{Feature, GeometryValue, Position};
 ///
 /// Every feature has `kind`, `class` and `id`. Streets and roads also have `from` and `to`, and `level`, `bridge` and `tunnel`
 /// where they are not 0 or false. A feature that a chunk owns has that `chunk`. A junction has the class of the widest street
-/// that ends there. Coordinates are exact: reading them gives the bits that were written.
+/// that ends there. Coordinates in plan metres are exact: reading them gives the bits that were written. With
+/// [`Plan::projection`] they are longitude and latitude, to a tenth of a millimetre, as RFC 7946 wants them.
 pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
-    let bounds = plan.area.bounds;
+    let corners = [plan.area.bounds.min, plan.area.bounds.max].map(|p| Place(plan.projection).of(p));
+    let bounds = Bounds::of(corners);
     let bbox = json!([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]);
     write!(out, "{{\"type\":\"FeatureCollection\",\"bbox\":{bbox},\"features\":[")?;
     let mut first = true;
@@ -37,11 +39,12 @@ pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
 type Put<'a> = dyn FnMut(Feature) -> Result<(), ExportError> + 'a;
 
 fn settlements(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
+    let place = Place(plan.projection);
     for (i, settlement) in plan.area.settlements.iter().enumerate() {
         let centre = settlement.centre.plan();
         let geometry = match plan.outlines.get(i) {
-            Some(outline) => polygon(&outline.polygon, outline.origin.plan()),
-            None => GeometryValue::Point { coordinates: position(centre) },
+            Some(outline) => place.polygon(&outline.polygon, outline.origin.plan()),
+            None => GeometryValue::Point { coordinates: place.position(centre) },
         };
         let mut fields = properties("settlement", size_name(settlement.size), settlement.id.0);
         fields.insert("name".into(), json!(settlement.name));
@@ -55,19 +58,19 @@ fn settlements(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
 }
 
 fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
-    let origin = plan.area.origin.plan();
+    let (place, origin) = (Place(plan.projection), plan.area.origin.plan());
     for block in &plan.area.blocks {
         let class = match block.item.land_use {
             BlockUse::Built => "built",
             BlockUse::Park => "park",
         };
-        put(feature(polygon(&block.item.polygon, origin), owned("block", class, block.item.id, block.chunk)))?;
+        put(feature(place.polygon(&block.item.polygon, origin), owned("block", class, block.item.id, block.chunk)))?;
     }
     for lot in &plan.area.lots {
         let mut fields = owned("lot", "lot", lot.item.id, lot.chunk);
         fields.insert("block".into(), json!(hex(lot.item.block)));
         fields.insert("street".into(), json!(hex(lot.item.street.0)));
-        put(feature(polygon(&lot.item.polygon, origin), fields))?;
+        put(feature(place.polygon(&lot.item.polygon, origin), fields))?;
     }
     for building in &plan.area.footprints {
         let mut fields = owned("building", "building", building.item.id, building.chunk);
@@ -75,13 +78,13 @@ fn parcels(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         fields.insert("storeys".into(), json!(building.item.storeys));
         fields.insert("base".into(), json!((building.item.base * 100.0).round() / 100.0));
         fields.insert("height".into(), json!((building.item.height * 100.0).round() / 100.0));
-        put(feature(polygon(&building.item.polygon, origin), fields))?;
+        put(feature(place.polygon(&building.item.polygon, origin), fields))?;
     }
     Ok(())
 }
 
 fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
-    let origin = plan.area.origin.plan();
+    let (place, origin) = (Place(plan.projection), plan.area.origin.plan());
     let mut widest: BTreeMap<JunctionId, StreetClass> = BTreeMap::new();
     for Owned { chunk, item } in &plan.area.streets {
         let street = &item.street;
@@ -100,13 +103,13 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
                 fields.insert(name.into(), json!(true));
             }
         }
-        let coordinates = street.line.iter().map(|p| position(*p + origin)).collect();
+        let coordinates = street.line.iter().map(|p| place.position(*p + origin)).collect();
         put(feature(GeometryValue::LineString { coordinates }, fields))?;
     }
     for junction in &plan.area.junctions {
         let class = widest.get(&junction.item.id).copied().unwrap_or(StreetClass::Local);
         let fields = owned("junction", class.name(), junction.item.id.0, junction.chunk);
-        put(feature(GeometryValue::Point { coordinates: position(junction.item.at + origin) }, fields))?;
+        put(feature(GeometryValue::Point { coordinates: place.position(junction.item.at + origin) }, fields))?;
     }
     Ok(())
 }
@@ -135,13 +138,26 @@ fn feature(geometry: GeometryValue, properties: Map<String, Value>) -> Feature {
     Feature { geometry: Some(geometry.into()), properties: Some(properties), ..Default::default() }
 }
 
-fn position(p: DVec2) -> Position {
-    p.to_array().into()
-}
+/// Decimals of a degree: a tenth of a millimetre.
+const DEGREE_STEPS: f64 = 1e9;
 
-fn polygon(points: &[DVec2], origin: DVec2) -> GeometryValue {
-    let ring = points.iter().chain(points.first()).map(|p| position(*p + origin)).collect();
-    GeometryValue::Polygon { coordinates: vec![ring] }
+/// Where plan points are written: in plan metres, or projected.
+#[derive(Clone, Copy)]
+struct Place(Option<Geographic>);
+
+impl Place {
+    fn of(self, p: DVec2) -> DVec2 {
+        self.0.map_or(p, |g| (g.to_degrees(p) * DEGREE_STEPS).round() / DEGREE_STEPS)
+    }
+
+    fn position(self, p: DVec2) -> Position {
+        self.of(p).to_array().into()
+    }
+
+    fn polygon(self, points: &[DVec2], origin: DVec2) -> GeometryValue {
+        let ring = points.iter().chain(points.first()).map(|p| self.position(*p + origin)).collect();
+        GeometryValue::Polygon { coordinates: vec![ring] }
+    }
 }
 
 #[cfg(test)]
@@ -149,6 +165,31 @@ mod tests {
     use super::*;
     use crate::space::QUANTUM;
     use crate::testing;
+
+    #[test]
+    fn a_plan_on_the_globe_is_written_in_degrees() {
+        let town = testing::area(DVec2::new(400.0, -300.0));
+        let projection = Geographic::around(DVec2::new(9.0, 47.0)).unwrap();
+        let mut file = Vec::new();
+        write(&Plan { projection: Some(projection), ..town.plan() }, &mut file).unwrap();
+        let read: geojson::FeatureCollection = String::from_utf8(file).unwrap().parse().unwrap();
+        let on_plan = |p: &[f64]| projection.to_plan(DVec2::new(p[0], p[1]));
+        let bbox = read.bbox.unwrap();
+        assert!(
+            on_plan(&bbox[..2]).distance(town.area.bounds.min) < 1e-3
+                && on_plan(&bbox[2..]).distance(town.area.bounds.max) < 1e-3
+        );
+        let junctions: Vec<DVec2> = town.area.junctions.iter().map(|j| town.area.origin.to_plan(j.item.at)).collect();
+        let mut found = 0;
+        for feature in &read.features {
+            if let Some(GeometryValue::Point { coordinates }) = feature.geometry.as_ref().map(|g| &g.value) {
+                let at = on_plan(coordinates.as_slice());
+                assert!(junctions.iter().any(|j| j.distance(at) < 1e-3), "{at}");
+                found += 1;
+            }
+        }
+        assert_eq!(found, junctions.len());
+    }
 
     #[test]
     fn positions_far_out_and_ids_come_back_bit_for_bit() {

@@ -1,4 +1,5 @@
-//! A plotter's alphabet: capitals, digits and a few signs as strokes, so that names need no font on the machine.
+//! A plotter's alphabet: capitals, digits and a few signs as strokes, so that names need no font on the machine. Names in other
+//! scripts are spelled in Latin letters.
 
 use glam::DVec2;
 
@@ -54,37 +55,43 @@ fn strokes(letter: char) -> &'static str {
         ':' => "0000,0404",
         '\'' => "0605",
         '.' => "0000",
+        '&' => "40051626350201102042",
+        '(' => "16050110",
+        ')' => "06151100",
+        '"' => "0605,1615",
+        '!' => "0602,0000",
+        '?' => "0516354422,2000",
         _ => "",
     }
 }
 
-/// A capital without its accent.
-fn plain(letter: char) -> char {
-    const ACCENTS: [(char, &str); 14] = [
-        ('A', "ÀÁÂÃÄÅĀĂĄÆ"),
-        ('C', "ÇĆĈĊČ"),
-        ('D', "ĎĐÐ"),
-        ('E', "ÈÉÊËĒĖĘĚ"),
-        ('G', "ĞĢ"),
-        ('I', "ÌÍÎÏĪĮİ"),
-        ('L', "ĹĽŁ"),
-        ('N', "ÑŃŅŇ"),
-        ('O', "ÒÓÔÕÖØŌŐŒ"),
-        ('R', "ŔŘ"),
-        ('S', "ŚŞŠȘ"),
-        ('U', "ÙÚÛÜŪŮŰŲ"),
-        ('Y', "ÝŸ"),
-        ('Z', "ŹŻŽ"),
-    ];
-    ACCENTS.iter().find(|(_, all)| all.contains(letter)).map_or(letter, |(plain, _)| *plain)
+/// Whether all letters are Latin ones, with or without accents: what the strokes show.
+pub(crate) fn is_latin(text: &str) -> bool {
+    let is_latin =
+        |c: char| c.is_ascii() || ('\u{a0}'..='\u{24f}').contains(&c) || ('\u{1e00}'..='\u{1eff}').contains(&c);
+    // Accents may stand by themselves, as may the typographer's signs.
+    let is_sign = |c: char| ('\u{300}'..='\u{36f}').contains(&c) || ('\u{2010}'..='\u{203a}').contains(&c);
+    text.chars().all(|c| is_latin(c) || is_sign(c))
 }
 
-/// Strokes and width of `text` with capitals `height` tall. y runs up, and the left end of the base line is at (0, 0). Accents
-/// are dropped; letters without strokes leave a gap.
+/// A text in plain Latin letters: without accents, and other scripts spelled as they sound.
+pub(crate) fn spelled(text: &str) -> String {
+    let composed = text.replace(|c| ('\u{300}'..='\u{36f}').contains(&c), "");
+    deunicode::deunicode_with_tofu(&composed, "").trim().to_owned()
+}
+
+/// The text in the letters that have strokes: capitals, but for the `km` and `m` of a scale.
+fn capitals(text: &str) -> String {
+    let is_length = |words: &str| words.split(' ').nth(1).is_some_and(|unit| unit == "km" || unit == "m");
+    if is_length(text) { text.to_owned() } else { spelled(text).to_uppercase() }
+}
+
+/// Strokes of `text` with capitals `height` tall, y up, the left end of the base line at (0, 0), and the text's width.
+/// The text is [`spelled`] in Latin capitals; signs without strokes leave a gap.
 pub(crate) fn write(text: &str, height: f64) -> (Vec<Vec<DVec2>>, f64) {
     let unit = height / CAP;
     let (mut lines, mut x) = (Vec::new(), 0.0);
-    for letter in text.chars().map(plain) {
+    for letter in capitals(text).chars() {
         let mut width: f64 = 0.0;
         for stroke in strokes(letter).split(',').filter(|s| !s.is_empty()) {
             let digit = |b: u8| f64::from(b - b'0');
@@ -100,6 +107,32 @@ pub(crate) fn write(text: &str, height: f64) -> (Vec<Vec<DVec2>>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_script_has_a_spelling() {
+        for (name, expected) in [
+            ("\u{41c}\u{43e}\u{441}\u{43a}\u{432}\u{430}", "Moskva"),
+            ("\u{6771}\u{4eac}", "Dong Jing"),
+            ("Tp. H\u{1ed3}", "Tp. Ho"),
+            ("Tp. Ho\u{302}\u{300}", "Tp. Ho"),
+            ("\u{c5}\u{142}\u{f8} L\u{2019}\u{c9}cluse", "Alo L'Ecluse"),
+            ("Sample & Sons (East)", "Sample & Sons (East)"),
+        ] {
+            assert_eq!(spelled(name), expected);
+            let shown = capitals(name).chars().filter(|c| !c.is_whitespace()).all(|c| !strokes(c).is_empty());
+            assert!(shown, "{name}");
+        }
+        assert!(
+            is_latin("Tp. H\u{1ed3}")
+                && is_latin("Sm\u{f8}r\u{2013}\u{142}")
+                && !is_latin("\u{6771}")
+                && !is_latin("A \u{411}")
+        );
+        assert_eq!(
+            (capitals("500 m"), capitals("2 km"), capitals("Ham")),
+            ("500 m".into(), "2 km".into(), "HAM".into())
+        );
+    }
 
     #[test]
     fn every_capital_and_digit_has_strokes_within_its_box() {

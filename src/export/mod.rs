@@ -3,6 +3,7 @@
 //! Exporters are pure functions of a [`Plan`] (GLB: of chunk meshes). A square exports the streets it overlaps, whole,
 //! with the junctions at both their ends.
 
+mod clip;
 pub mod geojson;
 pub mod glb;
 mod glyphs;
@@ -11,10 +12,12 @@ pub mod png;
 mod relief;
 pub mod svg;
 
+pub use clip::clipped;
+
 use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::region::{Outline, RoadNetwork, RoadSection};
-use crate::space::{Bounds, quantize};
+use crate::space::{Bounds, Geographic, quantize};
 use crate::stack::{PlacedStreet, owner_of, street_owner};
 use crate::terrain::Terrain;
 use crate::world::{Area, Owned, World};
@@ -45,6 +48,8 @@ pub struct Plan<'a> {
     pub chunk_size: i64,
     /// Real roads to compare with, drawn under the plan's own roads in pictures.
     pub real: Option<&'a Area>,
+    /// Where the plan lies on the globe. With it GeoJSON and OSM are in the longitudes and latitudes of that place.
+    pub projection: Option<Geographic>,
 }
 
 /// Outlines of the settlements of an area, as [`Plan::outlines`] wants them.

@@ -14,6 +14,13 @@ pub fn write(plan: &Plan<'_>, style: &MapStyle) -> Result<Vec<u8>, ExportError> 
     encode(&drawn(plan, style)?)
 }
 
+/// The names of settlements that a PNG spells in Latin letters because they are in another script, and their spellings. An SVG
+/// has them as they are, as text.
+pub fn spelled_in_latin(plan: &Plan<'_>) -> Vec<(String, String)> {
+    let names = plan.area.settlements.iter().map(|s| &s.name).filter(|name| !glyphs::is_latin(name));
+    names.map(|name| (name.clone(), glyphs::spelled(name))).collect()
+}
+
 /// Draws two plans beside each other as one PNG file.
 pub fn write_pair(plans: [(&Plan<'_>, &MapStyle); 2]) -> Result<Vec<u8>, ExportError> {
     let [left, right] = plans.map(|(plan, style)| drawn(plan, style));
@@ -97,7 +104,7 @@ fn words_as_strokes(text: &str) -> Result<String, ExportError> {
 fn strokes(attributes: &BTreeMap<String, String>, words: &str) -> BytesStart<'static> {
     let number = |name: &str, default: f64| attributes.get(name).and_then(|v| v.parse().ok()).unwrap_or(default);
     let height = 0.5 * number("font-size", 16.0);
-    let (lines, width) = glyphs::write(words.trim().to_uppercase().as_str(), height);
+    let (lines, width) = glyphs::write(words.trim(), height);
     let before = match attributes.get("text-anchor").map(String::as_str) {
         Some("middle") => width / 2.0,
         Some("end") => width,

@@ -1,6 +1,7 @@
 //! A map as SVG: shaded relief, water, blocks, lots, buildings, streets by class, names and a scale bar.
 
 mod furniture;
+mod label;
 mod layers;
 mod sheet;
 
@@ -86,6 +87,8 @@ pub(super) fn document(plan: &Plan<'_>, style: &MapStyle, relief: &Relief, pictu
         corner: plan.area.origin.to_local(DVec2::new(bounds.min.x, bounds.max.y)),
         colouring: style.colouring,
         region: plan.area.blocks.is_empty(),
+        // What turns drawings into pixels knows no fonts.
+        has_text: picture.is_some(),
     };
     let mut taken = vec![sheet.scale_box()];
     let mut cards = Vec::new();
@@ -132,6 +135,7 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::png::spelled_in_latin;
     use crate::testing;
 
     #[test]
@@ -140,6 +144,19 @@ mod tests {
             ["Ma", "Man", "M", "light w"].map(|s| base64(s.as_bytes())),
             ["TWE=", "TWFu", "TQ==", "bGlnaHQgdw=="]
         );
+    }
+
+    #[test]
+    fn names_in_any_script_stand_on_the_map() {
+        let mut town = testing::area(DVec2::ZERO);
+        let mut settlement = (*town.area.settlements[0]).clone();
+        settlement.name = "\u{6771}\u{4eac}".into();
+        let spelled = Plan { area: &town.area.clone(), ..town.plan() };
+        assert!(spelled_in_latin(&spelled).is_empty());
+        town.area.settlements = vec![std::sync::Arc::new(settlement)];
+        let text = write(&town.plan(), &MapStyle { pixels: 400, ..MapStyle::default() }).unwrap();
+        assert!(text.contains("<text") && text.matches("\u{6771}\u{4eac}").count() == 2, "as text, and as title");
+        assert_eq!(spelled_in_latin(&town.plan()), [("\u{6771}\u{4eac}".to_owned(), "Dong Jing".to_owned())]);
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! From what a file holds to a map in plan metres: places projected, streets clipped, outlines closed.
 
-use crate::map::clip::{ClippedPoint, clip};
 use crate::map::coordinates::{MapCoordinates, Projector};
 use crate::map::elements::{Elements, Way};
 use crate::map::error::MapError;
@@ -8,7 +7,7 @@ use crate::map::model::{Map, MapBuilding, MapNode, MapStreet};
 use crate::map::report::{LeftOut, MapReport};
 use crate::map::rings::rings;
 use crate::map::tags::{BuildingTags, ElementKind, StreetTags};
-use crate::space::{Bounds, line_length, point_in_polygon, segments, signed_area};
+use crate::space::{Bounds, ClippedPoint, clip_line, line_length, point_in_polygon, segments, signed_area};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -114,7 +113,7 @@ impl<'a> StreetBuilder<'a> {
             is_long_enough = true;
             self.report.length += line_length(&line);
             let clipped = match self.bounds {
-                Some(bounds) => clip(&line, bounds),
+                Some(bounds) => clip_line(&line, bounds),
                 None => vec![(0..line.len()).map(ClippedPoint::Own).collect()],
             };
             for points in clipped {
@@ -145,7 +144,7 @@ impl<'a> StreetBuilder<'a> {
                 }
                 index
             }
-            ClippedPoint::Border(at) => {
+            ClippedPoint::Border(_, at) => {
                 self.nodes.push(MapNode { id: None, at });
                 next
             }

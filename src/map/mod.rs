@@ -8,7 +8,6 @@
 //! `build` places them on the plan.
 
 mod build;
-mod clip;
 mod coordinates;
 mod elements;
 mod error;

@@ -1,22 +1,22 @@
-//! Streets cut at the border of a box.
+//! Lines cut at the border of a box.
 
-use crate::space::Bounds;
+use crate::space::bounds::Bounds;
 use glam::DVec2;
 
 /// A point of a clipped line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum ClippedPoint {
+pub enum ClippedPoint {
     /// A point of the line, by its index.
     Own(usize),
-    /// Where the border of the box cuts the line.
-    Border(DVec2),
+    /// Where the border of the box cuts a segment of the line, by the segment's index.
+    Border(usize, DVec2),
 }
 
 /// A cut this close to a point of the line, in metres, is that point.
 const CLOSE: f64 = 1e-6;
 
-/// The parts of a line that lie in a box, in order.
-pub(super) fn clip(line: &[DVec2], bounds: Bounds) -> Vec<Vec<ClippedPoint>> {
+/// The parts of a line that lie in a box, in order. A part that only touches the box from outside is none.
+pub fn clip_line(line: &[DVec2], bounds: Bounds) -> Vec<Vec<ClippedPoint>> {
     let mut out = Vec::new();
     let mut part: Vec<ClippedPoint> = Vec::new();
     for (i, pair) in line.windows(2).enumerate() {
@@ -28,7 +28,7 @@ pub(super) fn clip(line: &[DVec2], bounds: Bounds) -> Vec<Vec<ClippedPoint>> {
         let point = |t: f64| match a.lerp(b, t) {
             p if t <= 0.0 || p.distance(a) < CLOSE => ClippedPoint::Own(i),
             p if t >= 1.0 || p.distance(b) < CLOSE => ClippedPoint::Own(i + 1),
-            p => ClippedPoint::Border(p.clamp(bounds.min, bounds.max)),
+            p => ClippedPoint::Border(i, p.clamp(bounds.min, bounds.max)),
         };
         let (start, end) = (point(from), point(to));
         if part.last() != Some(&start) {
@@ -53,12 +53,13 @@ mod tests {
     #[test]
     fn a_line_is_cut_where_it_enters_and_leaves() {
         let bounds = Bounds::square(DVec2::ZERO, 10.0);
-        let clip = |points: &[(f64, f64)]| clip(&points.iter().map(|p| DVec2::from(*p)).collect::<Vec<_>>(), bounds);
-        let at = |x: f64, y: f64| Border(DVec2::new(x, y));
+        let clip =
+            |points: &[(f64, f64)]| clip_line(&points.iter().map(|p| DVec2::from(*p)).collect::<Vec<_>>(), bounds);
+        let at = |i: usize, x: f64, y: f64| Border(i, DVec2::new(x, y));
         assert_eq!(clip(&[(0., 0.), (1., 0.), (1., 4.)]), [[Own(0), Own(1), Own(2)]]);
-        assert_eq!(clip(&[(-9., 0.), (9., 0.)]), [[at(-5., 0.), at(5., 0.)]]);
+        assert_eq!(clip(&[(-9., 0.), (9., 0.)]), [[at(0, -5., 0.), at(0, 5., 0.)]]);
         let there_and_back = clip(&[(0., 0.), (9., 0.), (9., 1.), (0., 1.)]);
-        assert_eq!(there_and_back, [[Own(0), at(5., 0.)], [at(5., 1.), Own(3)]]);
+        assert_eq!(there_and_back, [[Own(0), at(0, 5., 0.)], [at(2, 5., 1.), Own(3)]]);
         // A point on the border is itself, also where the line goes on outside.
         assert_eq!(clip(&[(0., 0.), (5., 0.), (9., 0.)]), [[Own(0), Own(1)]]);
         assert_eq!(clip(&[(0., 0.), (5., 0.), (5., 3.)]), [[Own(0), Own(1), Own(2)]]);
@@ -68,6 +69,6 @@ mod tests {
     #[test]
     fn a_line_of_three_points_far_out_keeps_few_points() {
         let line = [DVec2::splat(-1e10), DVec2::splat(1e10), DVec2::new(-1e10, 1e10)];
-        assert_eq!(clip(&line, Bounds::square(DVec2::ZERO, 2_000.0)).concat().len(), 2);
+        assert_eq!(clip_line(&line, Bounds::square(DVec2::ZERO, 2_000.0)).concat().len(), 2);
     }
 }

@@ -4,6 +4,7 @@
 //! counter-clockwise from east.
 
 mod bounds;
+mod clip;
 mod coord;
 mod disjoint_sets;
 mod geographic;
@@ -14,6 +15,7 @@ mod polyline;
 mod seed;
 
 pub use bounds::Bounds;
+pub use clip::{ClippedPoint, clip_line};
 pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize, quantum_key};
 pub use disjoint_sets::DisjointSets;
 pub use geographic::Geographic;

@@ -32,7 +32,8 @@ impl Terrain for Hills {
 
 impl AreaCase {
     pub fn plan(&self) -> Plan<'_> {
-        Plan { area: &self.area, outlines: &self.outlines, terrain: &self.terrain, chunk_size: 512, real: None }
+        let (area, outlines, terrain) = (&self.area, &self.outlines[..], &self.terrain);
+        Plan { area, outlines, terrain, chunk_size: 512, real: None, projection: None }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The furniture of a map: symbols, names, scale bar, legend and frame.
 
-use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, round, trace};
+use super::label::Label;
+use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, round};
 use crate::export::{Plan, glyphs};
 use crate::network::{JunctionId, SizeClass, Street, StreetClass};
 use crate::region::Settlement;
@@ -8,7 +9,7 @@ use crate::space::{Bounds, closest_on_segment, segments};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use svg::node::element::{Circle, Group, Path, Rectangle, Title};
+use svg::node::element::{Circle, Group, Path, Rectangle};
 
 /// Maps with more settlements than this leave out the names of small villages.
 const MANY: usize = 120;
@@ -113,7 +114,8 @@ impl Sheet {
                     SizeClass::Town => 14.0,
                     SizeClass::Village => 10.0,
                 };
-            let (strokes, width) = glyphs::write(&settlement.name.to_uppercase(), height);
+            let label = Label::new(&settlement.name, height, self.has_text);
+            let width = label.width;
             if settlement.size == SizeClass::Village && settlement.radius * self.scale < 7.0 && settlements.len() > MANY
             {
                 continue;
@@ -148,7 +150,7 @@ impl Sheet {
             if let Some(at) = best {
                 taken.push(Bounds::new(at - half, at + half).grown(height / 2.0));
                 let corner = at + DVec2::new(-half.x, half.y);
-                group = group.add(lettering(&settlement.name, &strokes, corner, height));
+                group = group.add(label.at(corner));
             }
         }
         group
@@ -181,7 +183,7 @@ impl Sheet {
                 let at = from - DVec2::new(0.0, (60.0 + 26.0 * i as f64) * unit);
                 group =
                     group.add(box_of(at - DVec2::Y * 11.0 * unit, DVec2::new(28.0, 9.0) * unit).set("fill", colour));
-                group = group.add(self.write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit, 13.0));
+                group = group.add(self.write(name, at + DVec2::X * 40.0 * unit, 13.0));
             }
         }
         let frame = box_of(DVec2::ZERO, self.size).set("fill", "none");
@@ -194,18 +196,17 @@ impl Sheet {
     }
 
     fn write(&self, text: &str, at: DVec2, height: f64) -> Group {
-        let (lines, _) = glyphs::write(text, height * self.unit());
-        lettering(text, &lines, at, height * self.unit())
+        Label::new(text, height * self.unit(), false).at(at)
     }
 
     /// The title at the upper left, and the box around it.
     pub(super) fn title(&self, text: &str) -> (Group, Bounds) {
         let unit = self.unit();
-        let (_, width) = glyphs::write(&text.to_uppercase(), 22.0 * unit);
+        let (_, width) = glyphs::write(text, 22.0 * unit);
         let (low, size) = (DVec2::splat(24.0 * unit), DVec2::new(width + 36.0 * unit, 50.0 * unit));
         let at = low + DVec2::new(18.0, 36.0) * unit;
         let group = Group::new().set("id", "title").add(self.card(low, size));
-        (group.add(self.write(&text.to_uppercase(), at, 22.0)), Bounds::new(low, low + size))
+        (group.add(self.write(text, at, 22.0)), Bounds::new(low, low + size))
     }
 
     fn card(&self, low: DVec2, size: DVec2) -> Rectangle {
@@ -352,21 +353,4 @@ fn circle(at: DVec2, radius: f64) -> Circle {
 
 fn box_of(at: DVec2, size: DVec2) -> Rectangle {
     Rectangle::new().set("x", at.x).set("y", at.y).set("width", size.x).set("height", size.y)
-}
-
-/// Strokes of a text with a pale halo; `corner` is the left end of its base line.
-fn lettering(text: &str, lines: &[Vec<DVec2>], corner: DVec2, height: f64) -> Group {
-    let mut data = String::new();
-    for line in lines {
-        let line: Vec<DVec2> = line.iter().map(|p| corner + DVec2::new(p.x, -p.y)).collect();
-        trace(&mut data, &line, false);
-    }
-    let group = Group::new().set("fill", "none").set("stroke-linecap", "round").set("stroke-linejoin", "round");
-    [("#fffdf6", 0.5, 0.8), ("#2f2b26", 0.14, 1.0)].into_iter().fold(
-        group.add(Title::new(text)),
-        |group, (colour, width, opacity)| {
-            let path = Path::new().set("d", data.as_str()).set("stroke", colour).set("stroke-opacity", opacity);
-            group.add(path.set("stroke-width", height * width))
-        },
-    )
 }

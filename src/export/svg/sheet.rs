@@ -28,6 +28,8 @@ pub(super) struct Sheet {
     pub colouring: Colouring,
     /// Whether the map shows only settlements and roads.
     pub region: bool,
+    /// Whether words may be text, drawn in a font of the viewer.
+    pub has_text: bool,
 }
 
 /// How a stroke is drawn.

@@ -1,0 +1,221 @@
+//! What a square holds, cut at its border.
+
+use crate::network::{Junction, JunctionId, StreetId};
+use crate::space::{Bounds, ClippedPoint, clip_line, quantize, stable_hash};
+use crate::stack::PlacedStreet;
+use crate::world::{Area, Owned};
+use glam::DVec2;
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use std::collections::BTreeMap;
+
+/// A point this near to a side of the box lies on it, in metres.
+const ON_SIDE: f64 = 1e-3;
+
+/// An area cut at the border of its box, for squares that are put side by side.
+///
+/// A street that leaves the box ends in a junction on the border, which has the same id and place in the square on the other
+/// side. Blocks, lots and buildings are cut, too; settlements stay whole. What is cut has an id of its own in each square, all
+/// else keeps its id.
+pub fn clipped(area: &Area) -> Area {
+    let border = Border { local: area.bounds.moved(-area.origin.plan()), plan: area.bounds };
+    let mut junctions: BTreeMap<JunctionId, Owned<Junction>> = BTreeMap::new();
+    let mut streets = Vec::new();
+    for street in &area.streets {
+        for (index, points) in clip_line(&street.item.street.line, border.local).iter().enumerate() {
+            let piece = border.piece(street, index, points);
+            let it = &piece.item.street;
+            for (id, at) in [(it.from, it.line.first()), (it.to, it.line.last())] {
+                let junction = |at: &DVec2| Owned { chunk: street.chunk, item: Junction { id, at: *at } };
+                junctions.extend(at.map(|at| (id, junction(at))));
+            }
+            streets.push(piece);
+        }
+    }
+    // Those that the area has keep their chunks.
+    for junction in &area.junctions {
+        junctions.entry(junction.item.id).and_modify(|j| *j = junction.clone());
+    }
+    streets.sort_by_key(|s| s.item.street.id);
+    Area {
+        streets,
+        junctions: junctions.into_values().collect(),
+        blocks: border.cut_all(&area.blocks, |b| (&mut b.id, &mut b.polygon)),
+        lots: border.cut_all(&area.lots, |l| (&mut l.id, &mut l.polygon)),
+        footprints: border.cut_all(&area.footprints, |f| (&mut f.id, &mut f.polygon)),
+        ..area.clone()
+    }
+}
+
+/// The box that an area is cut to.
+struct Border {
+    /// Local to the area's origin.
+    local: Bounds,
+    /// In plan metres.
+    plan: Bounds,
+}
+
+impl Border {
+    /// A part of a street between two of its points or two points on the border.
+    fn piece(&self, street: &Owned<PlacedStreet>, index: usize, points: &[ClippedPoint]) -> Owned<PlacedStreet> {
+        let whole = &street.item.street;
+        let last = whole.line.len() - 1;
+        let end = |point: Option<&ClippedPoint>| match point {
+            Some(ClippedPoint::Own(0)) => whole.from,
+            Some(ClippedPoint::Own(i)) if *i == last => whole.to,
+            Some(ClippedPoint::Own(i)) => JunctionId::of(&[whole.id.0, *i as u64]),
+            Some(ClippedPoint::Border(segment, at)) => self.junction(whole.id, *segment, *at),
+            None => whole.from,
+        };
+        let is_whole = points.len() == whole.line.len() && points.iter().all(|p| matches!(p, ClippedPoint::Own(_)));
+        let mut out = street.clone();
+        let it = &mut out.item.street;
+        if !is_whole {
+            it.id = StreetId(self.id(whole.id.0, index));
+            (it.from, it.to) = (end(points.first()), end(points.last()));
+            it.line = points
+                .iter()
+                .map(|point| match point {
+                    ClippedPoint::Own(i) => whole.line[*i],
+                    ClippedPoint::Border(_, at) => self.on_side(*at).0,
+                })
+                .collect();
+        }
+        out
+    }
+
+    /// The id of a piece of a thing.
+    fn id(&self, id: u64, index: usize) -> u64 {
+        let corners = [self.plan.min, self.plan.max].map(|p| [p.x.to_bits(), p.y.to_bits()]).concat();
+        stable_hash(&[&[id, index as u64], &corners[..]].concat())
+    }
+
+    /// A point on the border as both squares beside it have it, and the axis that the side crosses. Along the side it lies on the
+    /// quantum grid, which squares share.
+    fn on_side(&self, at: DVec2) -> (DVec2, usize) {
+        let sides = [(0, self.local.min.x), (0, self.local.max.x), (1, self.local.min.y), (1, self.local.max.y)];
+        let away = |(axis, side): &(usize, f64)| (at[*axis] - side).abs();
+        let (axis, side) = sides.into_iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(sides[0]);
+        let mut out = quantize(at);
+        out[axis] = side;
+        (out, axis)
+    }
+
+    /// The junction where a segment of a street crosses the border. A segment crosses the line of a side once, so that both
+    /// squares beside it name the same junction.
+    fn junction(&self, street: StreetId, segment: usize, at: DVec2) -> JunctionId {
+        let (at, axis) = self.on_side(at);
+        let side = at[axis] + (self.plan.min - self.local.min)[axis];
+        let side = (side / ON_SIDE).round() as i64 as u64;
+        JunctionId::of(&[street.0, segment as u64, axis as u64, side])
+    }
+
+    /// All things that overlap the box, cut.
+    fn cut_all<T: Clone>(
+        &self,
+        all: &[Owned<T>],
+        parts: impl Fn(&mut T) -> (&mut u64, &mut Vec<DVec2>),
+    ) -> Vec<Owned<T>> {
+        let mut out = Vec::with_capacity(all.len());
+        for thing in all {
+            let mut whole = thing.clone();
+            let (id, polygon) = parts(&mut whole.item);
+            let around = Bounds::of(polygon.iter().copied());
+            if self.local.encloses(around) {
+                out.push(whole);
+                continue;
+            }
+            let (id, pieces) = (*id, if self.local.overlaps(around) { self.cut(polygon) } else { Vec::new() });
+            for (index, piece) in pieces.into_iter().enumerate() {
+                let mut cut = thing.clone();
+                let (new, polygon) = parts(&mut cut.item);
+                (*new, *polygon) = (self.id(id, index), piece);
+                out.push(cut);
+            }
+        }
+        out
+    }
+
+    /// The parts of a polygon in the box.
+    fn cut(&self, polygon: &[DVec2]) -> Vec<Vec<DVec2>> {
+        let Bounds { min, max } = self.local;
+        let corners = vec![[min.x, min.y], [max.x, min.y], [max.x, max.y], [min.x, max.y]];
+        let ring: Vec<[f64; 2]> = polygon.iter().map(DVec2::to_array).collect();
+        let shapes = ring.overlay(&corners, OverlayRule::Intersect, FillRule::NonZero);
+        let snap = |p: [f64; 2]| {
+            let p = DVec2::from(p);
+            let near = |low: f64, high: f64, x: f64| {
+                if (x - low).abs() < ON_SIDE {
+                    low
+                } else if (x - high).abs() < ON_SIDE {
+                    high
+                } else {
+                    x
+                }
+            };
+            let on_grid = quantize(p);
+            DVec2::new(near(min.x, max.x, on_grid.x), near(min.y, max.y, on_grid.y))
+        };
+        // A polygon without holes has none within a box.
+        shapes
+            .into_iter()
+            .filter_map(|s| s.into_iter().next())
+            .map(|ring| ring.into_iter().map(snap).collect())
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::{line_length, signed_area};
+    use crate::testing;
+
+    #[test]
+    fn four_squares_hold_what_one_does() {
+        let town = testing::area(DVec2::new(100.5, -50.25));
+        let middle = town.area.bounds.centre() + DVec2::new(7.0, 11.0);
+        let squares: Vec<Area> = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
+            .map(|(x, y)| {
+                let mut area = town.area.clone();
+                area.bounds = Bounds::square(middle + DVec2::new(x, y) * 450.0, 900.0);
+                clipped(&area)
+            })
+            .to_vec();
+        let length = |a: &Area| a.streets.iter().map(|s| line_length(&s.item.street.line)).sum::<f64>();
+        let built = |a: &Area| a.footprints.iter().map(|f| signed_area(&f.item.polygon).abs()).sum::<f64>();
+        let sum = |of: &dyn Fn(&Area) -> f64| squares.iter().map(of).sum::<f64>();
+        assert!((sum(&length) - length(&town.area)).abs() < 0.1, "{} {}", sum(&length), length(&town.area));
+        assert!((sum(&built) - built(&town.area)).abs() < 1.0, "{} {}", sum(&built), built(&town.area));
+        let mut ids: Vec<u64> = squares.iter().flat_map(|a| a.streets.iter().map(|s| s.item.street.id.0)).collect();
+        let count = ids.len();
+        assert!(count > town.area.streets.len());
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), count, "pieces have ids of their own");
+        for area in &squares {
+            let local = area.bounds.moved(-area.origin.plan()).grown(1e-9);
+            let junctions: BTreeMap<JunctionId, DVec2> =
+                area.junctions.iter().map(|j| (j.item.id, j.item.at)).collect();
+            for street in &area.streets {
+                let it = &street.item.street;
+                assert!(it.line.iter().all(|p| local.contains(*p)));
+                assert_eq!((junctions.get(&it.from), junctions.get(&it.to)), (it.line.first(), it.line.last()));
+            }
+            assert!(area.footprints.iter().flat_map(|f| &f.item.polygon).all(|p| local.contains(*p)));
+        }
+        // A junction on the border is the same on both of its sides.
+        let [west, east] = [&squares[0], &squares[1]];
+        let on_border: Vec<_> = west
+            .junctions
+            .iter()
+            .filter(|j| (west.origin.to_plan(j.item.at).x - west.bounds.max.x).abs() < 1e-9)
+            .collect();
+        assert!(!on_border.is_empty());
+        for junction in on_border {
+            let other = east.junctions.iter().find(|j| j.item.id == junction.item.id);
+            assert_eq!(other.map(|j| j.item.at), Some(junction.item.at));
+        }
+    }
+}
