@@ -18,6 +18,7 @@ pub use road::{
 };
 pub(crate) use road::{OVERPASS_CLEARANCE, overpass_profile};
 pub use settlement::{
-    PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable,
+    Moved, PerSize, Populations, Settlement, SettlementId, SettlementRow, SettlementSettings, SettlementTable,
+    TableOptions, TableReport,
 };
 pub use settlements::Settlements;

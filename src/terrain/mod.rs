@@ -1,7 +1,7 @@
 //! Layer 1: the ground. Makes height, water and vegetation at any point of the plan. Reads only the seed; its padding is 0.
 //!
 //! [`NoiseTerrain`] is the default and endless. [`RasterTerrain`] is a finite piece of ground from files: ESRI ASCII grids and,
-//! with the feature `cli`, PNG pictures. A game can bring its own ground by implementing the trait [`Terrain`]:
+//! with the feature `cli`, GeoTIFF and PNG pictures. A game can bring its own ground by implementing the trait [`Terrain`]:
 //!
 //! ```
 //! use bevy_sprawl::{space::Seed, terrain::{Terrain, TerrainSample}, world::{TerrainSource, World, WorldSource}};
@@ -41,7 +41,7 @@ pub use self::drawn::{DrawnGround, GROUND_STEP, GroundTiles};
 pub use self::noise::NoiseTerrain;
 #[cfg(feature = "noise")]
 pub use self::noise_fn::{NoiseFnSettings, NoiseFnTerrain};
+pub use self::raster::{Band, Holes, JoinError, MOST_CELLS, Raster, RasterTerrain};
 #[cfg(feature = "cli")]
-pub use self::raster::PngPlace;
-pub use self::raster::{Band, Holes, MOST_CELLS, Raster, RasterTerrain};
+pub use self::raster::{GeoUnits, PngPlace};
 pub use self::settings::TerrainSettings;

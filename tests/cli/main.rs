@@ -1,6 +1,7 @@
 //! The `sprawl` program as its users meet it: what it writes, and how it refuses.
 
 mod maps;
+mod readers;
 mod support;
 
 use serde_json::Value;
@@ -66,12 +67,54 @@ fn a_flag_without_a_use_is_refused() {
         (&map("a.glb"), &["--colour-by", "origin"]),
         (&map("a.png"), &["--detail", "full"]),
         (&map("a.svg"), &["--everything"]),
+        (&map("a.png"), &["--clip"]),
+        (&map("a.geojson"), &["--origin", "0,0"]),
     ];
     for (command, flag) in cases {
         let line = refused(&[*command, flag].concat());
         assert!(line.contains(flag[0]), "{command:?}: {line}");
     }
     assert!(refused(&["seams", "--most-difference", "NaN"]).contains("--most-difference"));
+}
+
+#[test]
+fn what_is_missing_is_named_in_the_file_that_names_it() {
+    let settings = file("roman.ron", "(\n  settlements: (\n    steep: (\"roman\", 0.1),\n  ),\n)");
+    let line = refused(&["stats", "--settings", &settings.to_string_lossy()]);
+    assert!(line.contains("roman.ron:3:5: settings name the style `roman`"), "{line}");
+    let folder = file("few-assets", "");
+    for (name, text) in [("styles/a.ron", "(\n  patch_sets: [\"b\", \"c\"],\n)"), ("patches/b.ron", "")] {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        let set = "(patches: [(name: \"x\", vertices: [(0, 0), (60, 0), (120, 0)], streets: [[0, 1, 2]])])";
+        std::fs::write(path, if text.is_empty() { set } else { text }).expect("the folder can be written");
+    }
+    let settings =
+        "(settlements: (styles: (city: [(\"a\", 1)], town: [(\"a\", 1)], village: [(\"a\", 1)]), steep: (\"\", 0)))";
+    let settings = file("few.ron", settings);
+    let base = ["stats", "--assets", &folder.to_string_lossy()];
+    let line = refused(&[&base[..], &["--settings", &settings.to_string_lossy()]].concat());
+    assert!(line.contains("few-assets/styles/a.ron:2:22: style `a` names the patch set `c`"), "{line}");
+    // The default settings name styles that the folder lacks.
+    let line = refused(&base);
+    assert!(line.contains("few-assets: settings name the style"), "{line}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link() {
+    let folder = file("links", "");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let (real, link) = (folder.join("real.svg"), folder.join("link.svg"));
+    for is_there in [false, true] {
+        if !is_there {
+            std::os::unix::fs::symlink("real.svg", &link).expect("a link");
+        }
+        out(&["patches", "draw", "assets/patches/grid.ron", "-o", &link.to_string_lossy()]);
+        assert!(link.is_symlink() && real.is_file() && !real.is_symlink());
+    }
+    assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 2, "no part stays");
 }
 
 #[test]
@@ -465,7 +508,7 @@ fn roads_refuse_bad_input_in_one_line() {
     let out = file("refused.svg", "").to_string_lossy().into_owned();
     let cases: &[(&str, &str, &[&str], &str)] = &[
         (&grid, &outside, &[], "outside.csv:4:3: \"C\" at 900,1000 m lies outside of the domain"),
-        (&grid, &drowned, &["--sea-level", "-50"], "drowned.csv:4:3: C at 15000,1000 m lies under"),
+        (&grid, &drowned, &["--sea-level", "-50"], "drowned.csv:4:3: \"C\" at 15000,1000 m lies under"),
         (&grid, &twice, &[], "twice.csv:4:3: line 3 has the same position"),
         (
             &grid,
@@ -481,7 +524,7 @@ fn roads_refuse_bad_input_in_one_line() {
         (&grid, "missing.csv", &[], "missing.csv: "),
         (&picture, &towns, &[], "a picture needs --cell and --white"),
         (&picture, &towns, &["--cell", "30", "--white", "900"], "nothing.png: not a readable PNG"),
-        (&towns, &towns, &[], "must end in .asc .png"),
+        (&towns, &towns, &[], "must end in .asc .tif .tiff .png"),
     ];
     for (terrain, settlements, more, expected) in cases {
         let base = ["roads", "--terrain", terrain, "--settlements", settlements, "-o", &out];

@@ -41,7 +41,8 @@ impl EditsFile {
 
     /// Names each of some edits that cannot be carried out in a line on stderr, and keeps the lines for the report.
     pub fn warn(&self, common: &Common, rejected: &[RejectedEdit]) {
-        let lines: Vec<String> = rejected.iter().map(|e| e.in_file(&self.name, &self.text).to_string()).collect();
+        let lines: Vec<String> =
+            RejectedEdit::all_in_file(rejected, &self.name, &self.text).iter().map(ToString::to_string).collect();
         lines.iter().for_each(|line| eprintln!("sprawl: warning: {line}"));
         // Each command makes one world.
         let _ = common.rejected.set(lines);
@@ -57,11 +58,9 @@ fn paint(
 ) -> Result<(), Fail> {
     let picture = raster::is_picture(file);
     if !picture && (map.corner.is_some() || map.cell.is_some() || map.black.is_some() || map.white.is_some()) {
-        return Err(
-            wrong("corner, cell, black and white are those of a picture; an ASCII grid says where it lies").into()
-        );
+        return Err(wrong("corner, cell, black and white are those of a picture; a grid says where it lies").into());
     }
-    let raster = raster::read(file, Band::Influence, Holes::Value(0.0), || {
+    let raster = raster::read(file, Band::Influence, Holes::Value(0.0), geographic.is_some(), |_| {
         let (Some(corner), Some(cell), Some(white)) = (map.corner, map.cell, map.white) else {
             return Err(wrong(
                 "a picture needs corner, cell and white: its place, the edge of a pixel, the cost of white",

@@ -8,7 +8,7 @@ use crate::values::{point, size};
 use crate::work;
 use bevy_sprawl::export::glb::PlacedMesh;
 use bevy_sprawl::export::svg::{Colouring, MapStyle};
-use bevy_sprawl::export::{self, Plan, glb};
+use bevy_sprawl::export::{self, Plan, glb, osm};
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::space::Bounds;
@@ -53,6 +53,13 @@ pub struct MapArgs {
     /// Buildings, parks and names in an OSM file too; some readers take every way for a street
     #[arg(long)]
     pub everything: bool,
+    /// Plan point that an OSM file has at latitude 0, longitude 0: squares of one world with the same origin fit together, with
+    /// the same ids for what they share [default: the middle of the square]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = point)]
+    pub origin: Option<DVec2>,
+    /// Cut streets, blocks and buildings at the border of the square, in a GeoJSON or OSM file
+    #[arg(long)]
+    pub clip: bool,
     /// Level of detail of a GLB [default: full]
     #[arg(long, value_name = "LEVEL")]
     pub detail: Option<DetailArg>,
@@ -122,6 +129,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             };
         let area =
             if region { export::region(&world, bounds, &Cancel::new())? } else { work::area(common, &world, bounds)? };
+        let area = if args.clip { export::clipped(&area) } else { area };
         let outlines = export::outlines(&world, &area)?;
         let terrain = world.terrain().clone();
         let plan = Plan {
@@ -130,6 +138,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             terrain: &*terrain,
             chunk_size: world.settings().chunk_size,
             real: None,
+            projection: None,
         };
         let colouring = match args.colour_by.unwrap_or(ColourBy::Class) {
             ColourBy::Class => Colouring::Class,
@@ -144,9 +153,16 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
                 let [ours, theirs] = ["this world", "a real town"].map(|title| MapStyle { title, ..style });
                 write_pair([(&plan, &ours), (&real, &theirs)], format, &mut file)
             }
-            None => write(&plan, format, &style, args.everything, &mut file),
+            None => {
+                let osm = osm::Options { everything: args.everything, origin: args.origin };
+                write(&plan, format, &style, osm, &mut file)
+            }
         };
         work::pool(common)?.install(draw)?;
+        if format == Format::Osm {
+            let origin = args.origin.unwrap_or_else(|| bounds.centre());
+            report["osm_origin"] = json!({ "plan": origin.to_array(), "metres_per_degree": osm::METRES_PER_DEGREE });
+        }
         for (key, count) in counts(&area) {
             report[key] = json!(count);
         }
@@ -169,6 +185,12 @@ fn check_flags(args: &MapArgs, format: Format) -> Result<(), Fail> {
         ("--pixels", "a picture: a name that ends in .svg or .png", args.pixels.is_some() && !picture),
         ("--colour-by", "a picture: a name that ends in .svg or .png", args.colour_by.is_some() && !picture),
         ("--show", "a picture: a name that ends in .svg or .png", args.show.is_some() && !picture),
+        ("--origin", "an OSM file: a name that ends in .osm", args.origin.is_some() && format != Format::Osm),
+        (
+            "--clip",
+            "a GeoJSON or OSM file: a name that ends in .geojson or .osm",
+            args.clip && !matches!(format, Format::GeoJson | Format::Osm),
+        ),
         ("--everything", "an OSM file: a name that ends in .osm", args.everything && format != Format::Osm),
         ("--detail", "a GLB file: a name that ends in .glb", args.detail.is_some() && format != Format::Glb),
     ])

@@ -33,14 +33,14 @@ pub fn write(
     plan: &Plan<'_>,
     format: Format,
     style: &MapStyle,
-    everything: bool,
+    options: osm::Options,
     file: &mut dyn Write,
 ) -> Result<(), ExportError> {
     match format {
         Format::Svg => file.write_all(svg::write(plan, style)?.as_bytes())?,
         Format::Png => file.write_all(&png::write(plan, style)?)?,
         Format::GeoJson => geojson::write(plan, file)?,
-        Format::Osm => osm::write(plan, osm::Options { everything }, file)?,
+        Format::Osm => osm::write(plan, options, file)?,
         Format::Glb => {}
     }
     Ok(())
@@ -63,6 +63,8 @@ pub struct Output {
     name: PathBuf,
     /// The file that is written until it is whole, and where it goes then.
     part: Option<(PathBuf, PathBuf)>,
+    /// Bytes written so far.
+    bytes: u64,
 }
 
 /// Files that are not whole yet.
@@ -90,14 +92,14 @@ impl Output {
         if path.is_dir() {
             return Err(Fail::file(path, "is a folder"));
         }
-        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let target = target(path);
         if inputs.iter().any(|input| input.canonicalize().is_ok_and(|i| i == target)) {
             return Err(Fail::file(path, "is a file that is read; write to another one"));
         }
         let old = std::fs::metadata(&target).ok();
         if old.as_ref().is_some_and(|m| !m.is_file()) {
             let file = File::options().write(true).open(&target).map_err(fail)?;
-            return Ok(Self { file: BufWriter::new(file), name: path.to_owned(), part: None });
+            return Ok(Self { file: BufWriter::new(file), name: path.to_owned(), part: None, bytes: 0 });
         }
         let mut name = target.file_name().unwrap_or_default().to_owned();
         name.push(format!(".{}.part", std::process::id()));
@@ -106,7 +108,8 @@ impl Output {
         parts().push(part.clone());
         let file = File::create(&part).map_err(fail);
         let file = file.inspect_err(|_| forget(&part))?;
-        let out = Self { file: BufWriter::new(file), name: path.to_owned(), part: Some((part.clone(), target)) };
+        let (file, name) = (BufWriter::new(file), path.to_owned());
+        let out = Self { file, name, part: Some((part.clone(), target)), bytes: 0 };
         if let Some(old) = old {
             std::fs::set_permissions(&part, old.permissions()).map_err(fail)?;
         }
@@ -117,13 +120,12 @@ impl Output {
     pub fn finish(mut self) -> Result<u64, Fail> {
         self.flush()?;
         let fail = |e| Fail::file(&self.name, e);
-        let bytes = self.file.get_ref().metadata().map_err(fail)?.len();
         if let Some((part, target)) = &self.part {
             std::fs::rename(part, target).map_err(fail)?;
             forget(part);
             self.part = None;
         }
-        Ok(bytes)
+        Ok(self.bytes)
     }
 
     /// An error of writing that says which file it is about.
@@ -132,13 +134,26 @@ impl Output {
     }
 }
 
+/// The file that a path leads to, through links, also where the last of them leads to none yet.
+fn target(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    // As many links as systems follow.
+    for _ in 0..40 {
+        let Ok(next) = std::fs::read_link(&path) else { break };
+        path = path.parent().unwrap_or(Path::new("")).join(next);
+    }
+    path.canonicalize().unwrap_or(path)
+}
+
 fn forget(part: &Path) {
     parts().retain(|p| p != part);
 }
 
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes).map_err(|e| self.named(e))
+        let written = self.file.write(bytes).map_err(|e| self.named(e))?;
+        self.bytes += written as u64;
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {

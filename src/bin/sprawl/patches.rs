@@ -6,7 +6,7 @@ use crate::output::{Format, Output};
 use crate::text;
 use crate::work;
 use bevy_sprawl::export::png;
-use bevy_sprawl::layer::FileError;
+use bevy_sprawl::layer::{FileError, ron_files};
 use bevy_sprawl::patch::{self, PatchSet};
 use clap::{Args, Subcommand};
 use serde_json::{Map, json};
@@ -63,14 +63,10 @@ fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Fail> {
         }
         let inner = path.join("patches");
         let folder = if inner.is_dir() { &inner } else { path };
-        let entries = std::fs::read_dir(folder).map_err(|e| Fail::file(folder, e))?;
-        let files = entries.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>();
-        let mut files = files.map_err(|e| Fail::file(folder, e))?;
-        files.retain(|f| f.extension().is_some_and(|e| e == "ron"));
+        let files = ron_files(folder)?;
         if files.is_empty() {
             return Err(Fail::file(folder, "holds no .ron file"));
         }
-        files.sort();
         out.extend(files);
     }
     Ok(out)

@@ -6,6 +6,8 @@ mod ground;
 mod reference;
 mod report;
 mod settings;
+mod table;
+mod tiles;
 
 use crate::common::{Common, Flag};
 use crate::edits::EditsFile;
@@ -15,7 +17,7 @@ use crate::work;
 pub use args::RoadsArgs;
 use bevy_sprawl::edits::{Edits, SettlementEdit};
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, ExportError, Plan};
+use bevy_sprawl::export::{self, ExportError, Plan, osm, png};
 use bevy_sprawl::layer::{FileError, error_at};
 use bevy_sprawl::region::{
     NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementSettings, SettlementTable,
@@ -36,10 +38,11 @@ const NODES: (f64, f64) = (256.0, 1_024.0);
 
 /// Runs the command.
 pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
-    let formats = [("svg", Format::Svg), ("png", Format::Png), ("geojson", Format::GeoJson)];
+    let formats = [("svg", Format::Svg), ("png", Format::Png), ("geojson", Format::GeoJson), ("osm", Format::Osm)];
     let format = Format::of(&args.output, &formats)?;
     common.refuse("`sprawl roads`", &[Flag::Seed, Flag::Assets])?;
-    if format == Format::GeoJson && (args.pixels.is_some() || args.compare) {
+    let picture = matches!(format, Format::Svg | Format::Png);
+    if !picture && (args.pixels.is_some() || args.compare) {
         return Err(Fail::input("--pixels and --compare need a picture: a name that ends in .svg or .png"));
     }
     let start = Instant::now();
@@ -48,16 +51,10 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         None => None,
     };
     let settings = file.as_ref().map_or_else(Settings::default, |f| f.settings.clone());
-    let ground::Land { terrain, cell, geographic } = ground::read(args)?;
+    let ground::Land { terrain, cell, geographic, report: ground_report } = ground::read(args)?;
     let domain = terrain.bounds();
     let edits = EditsFile::read(common, geographic.as_ref())?;
-    let table = {
-        let content = std::fs::read(&args.settlements).map_err(|e| Fail::file(&args.settlements, e))?;
-        let name = args.settlements.to_string_lossy();
-        let (places, sizes) = (geographic.as_ref(), &args.populations);
-        SettlementTable::from_csv_by(&name, &content, &settings.settlements, places, sizes)?
-    };
-    table.check_inside(domain)?;
+    let table = table::read(args, &settings.settlements, geographic.as_ref(), &terrain)?;
     let settlements: Vec<Settlement> = table.settlements().cloned().collect();
     let given = file.as_ref().and_then(|f| f.roads.step());
     let step = args.step.or(given).unwrap_or_else(|| usual_step(domain, cell, &settlements));
@@ -95,6 +92,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         terrain: &*terrain,
         chunk_size: settings.chunk_size,
         real: real.as_ref(),
+        projection: geographic,
     };
     let usual = MapStyle::default();
     let style = MapStyle { pixels: args.pixels.unwrap_or(usual.pixels), legend: true, ..usual };
@@ -107,7 +105,15 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["step_m"] = json!(step);
     report["warnings"] = json!(warnings);
     report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
-    let mut people = report::people(&network, &report);
+    report["ground"] = ground_report.json();
+    report["table"] = table::json(&table.report);
+    let spelled = if format == Format::Png { png::spelled_in_latin(&plan) } else { Vec::new() };
+    report["spelled_in_latin"] =
+        spelled.iter().map(|(name, latin)| (name.clone(), json!(latin))).collect::<serde_json::Map<_, _>>().into();
+    let mut people = report::people(&network, &report)
+        + &report::spelled(&spelled)
+        + &ground_report.people()
+        + &table::people(&table);
     if let Some(projection) = geographic {
         report["projection"] = report::projection(&projection);
     }
@@ -132,15 +138,15 @@ fn with_radii(edits: &Edits, settings: &SettlementSettings) -> Edits {
 
 /// The files that are read.
 fn inputs(common: &Common, args: &RoadsArgs) -> Vec<PathBuf> {
-    let given = [&args.water, &args.vegetation, &args.reference].into_iter().flatten();
-    let given = given.chain([&args.terrain, &args.settlements]);
+    let given = [&args.terrain, &args.water, &args.vegetation].into_iter().flatten();
+    let given = given.chain(&args.reference).chain([&args.settlements]);
     common.inputs().into_iter().chain(given.cloned()).collect()
 }
 
 /// Writes the file: real roads under these, or on a map of their own beside that of these.
 fn draw(plan: &Plan<'_>, format: Format, style: &MapStyle, beside: bool, out: &mut Output) -> Result<(), ExportError> {
-    let (true, Some(real)) = (beside && format != Format::GeoJson, plan.real) else {
-        return write(plan, format, style, false, out);
+    let (true, Some(real)) = (beside, plan.real) else {
+        return write(plan, format, style, osm::Options::default(), out);
     };
     let mut theirs = real.clone();
     theirs.settlements.clone_from(&plan.area.settlements);
@@ -208,12 +214,12 @@ fn build(
 fn refuse(error: NetworkError, table: &SettlementTable, args: &RoadsArgs) -> Fail {
     match error {
         NetworkError::Settlement { index, reason } => match table.rows.get(index) {
-            Some(row) => FileError { file: table.file.clone(), line: row.line, column: row.column, reason }.into(),
+            Some(row) => FileError::new(&*table.file, (row.line, row.column), reason).into(),
             None => Fail::input(reason),
         },
         NetworkError::TooFew(_) => Fail::file(&args.settlements, error),
         NetworkError::Range(e) if e.field == "step" => Fail::input(format!("--step: {e}")),
-        NetworkError::Range(e) => Fail::file(&args.terrain, e),
+        NetworkError::Range(e) => Fail::file(&args.terrain[0], e),
         NetworkError::Layer(e) => e.into(),
     }
 }

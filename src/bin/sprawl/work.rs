@@ -14,8 +14,12 @@ use std::io::Write;
 
 /// The world that the common flags describe. Each edit that the world cannot fulfil is named in a line on stderr.
 pub fn world(common: &Common) -> Result<World, Fail> {
-    let settings = match &common.settings {
-        Some(path) => Settings::from_ron(&path.to_string_lossy(), &text::read(path)?)?,
+    let written = match &common.settings {
+        Some(path) => Some((path.to_string_lossy(), text::read(path)?)),
+        None => None,
+    };
+    let settings = match &written {
+        Some((file, text)) => Settings::from_ron(file, text)?,
         None => {
             // One command looks at one square and ends, so nothing that fits in memory should be made twice.
             let mut settings = Settings::default();
@@ -28,16 +32,18 @@ pub fn world(common: &Common) -> Result<World, Fail> {
         Some(dir) => WorldAssets::from_dir(dir)?,
         None => WorldAssets::bundled(),
     };
-    let named = common.settings.as_deref();
     let file = EditsFile::read(common, None)?;
     let edits = file.as_ref().map_or_else(Edits::default, |f| f.edits.clone());
-    let world =
-        World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(common.seed())) }).map_err(|e| {
-            match named {
-                Some(path) => Fail::file(path, e),
-                None => e.into(),
-            }
-        })?;
+    let source = WorldSource { settings, assets, edits, ..WorldSource::new(Seed(common.seed())) };
+    let world = World::new(source.clone()).map_err(|e| {
+        let in_settings = || written.as_ref().and_then(|(name, text)| e.in_settings(&source.settings, name, text));
+        match (source.assets.locate(&e).or_else(in_settings), &common.assets) {
+            (Some(located), _) => located.into(),
+            // What the settings say by default is not in the folder.
+            (None, Some(folder)) => Fail::file(folder, e),
+            (None, None) => e.into(),
+        }
+    })?;
     if let Some(file) = file {
         file.warn(common, &world.rejected_edits(&Cancel::new())?);
     }

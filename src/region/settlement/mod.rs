@@ -22,4 +22,4 @@ mod table;
 
 pub use model::{PerSize, Settlement, SettlementId};
 pub use settings::SettlementSettings;
-pub use table::{Populations, SettlementRow, SettlementTable};
+pub use table::{Moved, Populations, SettlementRow, SettlementTable, TableOptions, TableReport};

@@ -1,6 +1,7 @@
 //! Rasters: values on a rectangular grid over a part of the plan.
 
-use crate::edits::STRENGTHS;
+use super::band::Band;
+use super::holes::{Holes, HolesError};
 use crate::layer::RangeError;
 use crate::space::{Bounds, Geographic};
 use glam::DVec2;
@@ -9,47 +10,6 @@ use glam::DVec2;
 pub const MOST_CELLS: usize = 64 << 20;
 /// Least width of a cell of a raster in plan metres.
 const LEAST_STEP: f64 = 0.1;
-
-/// What the values of a raster mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Band {
-    /// Heights in metres: -100,000 to 100,000.
-    Height,
-    /// Depths of water in metres, 0 on land: 0 to 100,000.
-    Depth,
-    /// Vegetation densities: 0 (bare) to 1 (dense wood).
-    Vegetation,
-    /// Extra cost of roads: -10 to 100.
-    Influence,
-}
-
-impl Band {
-    /// Least and greatest value.
-    pub fn range(self) -> (f64, f64) {
-        match self {
-            Self::Height => (-1e5, 1e5),
-            Self::Depth => (0.0, 1e5),
-            Self::Vegetation => (0.0, 1.0),
-            Self::Influence => STRENGTHS,
-        }
-    }
-
-    /// What a value of the band is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Height => "height",
-            Self::Depth => "water depth",
-            Self::Vegetation => "vegetation density",
-            Self::Influence => "influence",
-        }
-    }
-
-    /// Fails if a value is out of range or NaN.
-    pub(super) fn check(self, value: f64) -> Result<(), RangeError> {
-        let (low, high) = self.range();
-        RangeError::check(self.name(), value, low, high)
-    }
-}
 
 /// Values at the centres of the cells of a grid, and the position of the grid: in plan metres, or in degrees until it is
 /// [projected](Self::projected). Values are stored in 32 bits; at the height of the highest peaks that is half a millimetre.
@@ -62,6 +22,8 @@ pub struct Raster {
     pub(super) step: DVec2,
     /// Rows from south to north, each from west to east.
     pub(super) values: Vec<f32>,
+    /// Number of cells that had no value and were filled.
+    pub(super) filled: usize,
 }
 
 impl Raster {
@@ -82,7 +44,7 @@ impl Raster {
                 allowed: format!("{cells}, one for each cell"),
             });
         }
-        Ok(Self { columns, rows, corner, step, values })
+        Ok(Self { columns, rows, corner, step, values, filled: 0 })
     }
 
     /// Number of columns.
@@ -110,6 +72,24 @@ impl Raster {
     pub fn value(&self, column: usize, row: usize) -> Option<f32> {
         let inside = column < self.columns && row < self.rows;
         inside.then(|| self.values[row * self.columns + column])
+    }
+
+    /// Number of cells that had no value in the file, and were filled as [`Holes`](super::Holes) say.
+    pub fn filled(&self) -> usize {
+        self.filled
+    }
+
+    /// The raster of rows from north to south, as files have them, once its cells without a value are filled.
+    pub(super) fn turned_north(self, band: Band, holes: Holes) -> Result<Self, HolesError> {
+        let Self { columns, rows, mut values, .. } = self;
+        let filled = holes.fill(&mut values, columns, band)?;
+        let (mut south, mut north) = (0, rows - 1);
+        while south < north {
+            let (low, high) = values.split_at_mut(north * columns);
+            low[south * columns..(south + 1) * columns].swap_with_slice(&mut high[..columns]);
+            (south, north) = (south + 1, north - 1);
+        }
+        Ok(Self { values, filled, ..self })
     }
 
     /// Centre of a cell, where its value applies.

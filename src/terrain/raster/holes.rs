@@ -1,20 +1,55 @@
 //! Cells without a value.
 
+use super::band::Band;
+use crate::layer::RangeError;
+
 /// What to do with the cells of a file that have no value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Holes {
     /// Reject the file.
     #[default]
     Refuse,
+    /// Leave them without a value (NaN), for [`Raster::join`](super::Raster::join), which fills them from other tiles.
+    Keep,
     /// Fill them ring by ring from the rim inwards, each cell with the mean of its neighbours. Suits small gaps.
     FromNeighbours,
     /// Fill them with this value: for example one below the sea level, if the file leaves the sea out.
     Value(f64),
 }
 
+/// Why cells without a value cannot be filled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(super) enum HolesError {
+    #[error("{count} of {cells} cells have no {name}; fill them, or say how to fill them (`--fill`)", name = .band.name())]
+    Refused { count: usize, cells: usize, band: Band },
+    #[error("no cell of this file has a {}", .0.name())]
+    NoValue(Band),
+    #[error("the value for cells without a value: {0}")]
+    Range(#[from] RangeError),
+}
+
+impl Holes {
+    /// Fills the cells that are NaN, and gives their number. Rows are of `columns` cells, in any order.
+    pub(super) fn fill(self, values: &mut [f32], columns: usize, band: Band) -> Result<usize, HolesError> {
+        let (cells, count) = (values.len(), values.iter().filter(|v| v.is_nan()).count());
+        match self {
+            _ if count == 0 => return Ok(0),
+            Self::Keep => return Ok(0),
+            Self::Refuse => return Err(HolesError::Refused { count, cells, band }),
+            _ if count == cells => return Err(HolesError::NoValue(band)),
+            Self::FromNeighbours => from_neighbours(values, columns),
+            Self::Value(value) => {
+                band.check(value)?;
+                values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = value as f32);
+            }
+        }
+        Ok(count)
+    }
+}
+
 /// Fills the cells that are NaN, ring by ring. Each gets the mean of those of its eight neighbours that have a value before its
 /// ring is filled. At least one cell must have a value.
-pub(super) fn from_neighbours(values: &mut [f32], columns: usize) {
+fn from_neighbours(values: &mut [f32], columns: usize) {
     let rows = values.len() / columns;
     let near = |i: usize| {
         let (x, y) = (i % columns, i / columns);

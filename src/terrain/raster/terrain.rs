@@ -1,6 +1,7 @@
 //! The terrain of a finite piece of ground, from rasters.
 
-use super::grid::{Band, Raster};
+use super::band::Band;
+use super::grid::Raster;
 use super::surface::{self, Surface};
 use crate::layer::RangeError;
 use crate::space::Bounds;

@@ -177,13 +177,50 @@ fn legal_files_of_all_kinds_are_read() {
     same(format!("{ISLAND}{}", rows.replace('\n', " ")));
     same(format!("{ISLAND}{}", rows.replace(' ', "\n")));
     same(format!("{ISLAND}{rows}").replace("xllcorner 100", "xllcenter 105").replace("cellsize 10", "dx 10 dy 10"));
-    // Without NODATA_value -9999 is missing; with nan a NaN is.
+    // Without NODATA_value -9999 is missing.
     assert!(
         error(&format!("{ISLAND}{rows}").replace("NODATA_value -9999\n", "").replace(" 7 ", " -9999 "))
             .contains("row 2")
     );
-    let nan = format!("{ISLAND}{rows}").replace("-9999", "nan").replace(" 7 ", " NaN ");
-    assert!(error(&nan).contains("have no height"), "{}", error(&nan));
+}
+
+#[test]
+fn cells_without_a_value_are_known_in_every_spelling() {
+    let rows = "1 2 3 4\n5 6 HOLE 8\n9 10 11 12\n";
+    let header = |missing: &str| ISLAND.replace("NODATA_value -9999\n", missing);
+    let read = |missing: &str, hole: &str| {
+        let text = format!("{}{}", header(missing), rows.replace("HOLE", hole));
+        Raster::from_ascii("f.asc", text.as_bytes(), Band::Height, Holes::Value(7.0))
+    };
+    let expected = read("", "7").unwrap();
+    assert_eq!(expected.filled(), 0);
+    for (missing, hole) in [
+        ("", "-9999"),
+        ("", "-9999.000"),
+        ("NODATA_value -9999\n", "nan"),
+        ("nodata -99.5\n", "NaN"),
+        ("NoData_Value 1e3\n", "1000"),
+        ("NODATA -1\n", "-nan(ind)"),
+        ("NODATA_VALUE nan\n", "-1.#IND"),
+        ("NODATA_value null\n", "null"),
+        ("NODATA_value void\n", "VOID"),
+        ("", "-32768"),
+        ("NODATA_value -9999\n", "-32767.0"),
+    ] {
+        let raster = read(missing, hole).unwrap();
+        assert_eq!((&raster.values, raster.filled()), (&expected.values, 1), "{missing} {hole}");
+        let text = format!("{}{}", header(missing), rows.replace("HOLE", hole));
+        let refused = error(&text);
+        let cell = "row 2, column 3: this cell and 0 more of 12 cells have no height (this one holds ";
+        assert!(refused.contains(cell) && refused.contains(hole), "{refused}");
+        // Also as the first cell of all.
+        let first =
+            format!("{}{}", header(missing), rows.replace("HOLE", "7").replace("1 2 3", &format!("{hole} 2 3")));
+        assert!(error(&first).contains("row 1, column 1: this cell"), "{}", error(&first));
+    }
+    let depths = format!("{ISLAND}{}", rows.replace("HOLE", "-32768"));
+    let depths = Raster::from_ascii("f.asc", depths.as_bytes(), Band::Depth, Holes::Value(0.0));
+    assert!(depths.unwrap_err().reason.contains("water depth is -32768"), "a void is a mark among heights alone");
 }
 
 #[test]
@@ -214,13 +251,20 @@ fn errors_say_where_and_what() {
         (change(" 7 ", " abc "), "f.asc:8:5: row 2, column 3: \"abc\" is not a number"),
         (
             change(" 7 ", " 7,5 "),
-            "f.asc:8:5: row 2, column 3: \"7,5\" is not a number; the file needs numbers separated by blanks, and a decimal point",
+            "f.asc:8:5: row 2, column 3: \"7,5\" is not a number; the file needs numbers separated by blanks; write a decimal point",
         ),
-        (change(" 7 ", " nan "), "f.asc:8:5: row 2, column 3: height is NaN; allowed is -100000 to 100000"),
+        (
+            change("1 2", "1,0 2"),
+            "f.asc:7:1: row 1, column 1: \"1,0\" is not a number; the file needs numbers separated by blanks; write",
+        ),
+        (
+            change("cellsize 10", "cellsize ,1E+03"),
+            "f.asc:5:10: cellsize needs a number, not \",1E+03\"; write a decimal point",
+        ),
         (change(" 7 ", " 1e999 "), "f.asc:8:5: row 2, column 3: height is inf;"),
         (
             change(" 7 ", " -9999 "),
-            "f.asc:8:5: row 2, column 3: this cell and 0 more of 12 cells have no height (they hold -9999)",
+            "f.asc:8:5: row 2, column 3: this cell and 0 more of 12 cells have no height (this one holds -9999)",
         ),
         (change("9 10 11 12\n", ""), "f.asc:9:1: the file ends after 8 numbers (2 of 3 rows); it needs 12"),
         (change(" 11 12\n", ""), "f.asc:9:1: row 3 has 2 numbers; ncols is 4"),
@@ -237,13 +281,46 @@ fn cells_without_a_number_are_filled_when_asked() {
     let read = |holes| Raster::from_ascii("f", file.as_bytes(), Band::Height, holes);
     assert!(read(Holes::Refuse).unwrap_err().to_string().contains("this cell and 5 more"));
     assert_eq!(read(Holes::Value(-20.0)).unwrap().value(0, 0), Some(-20.0));
+    assert_eq!(read(Holes::Value(-20.0)).unwrap().filled(), 6);
     assert!(read(Holes::Value(f64::NAN)).is_err());
+    assert!(read(Holes::Keep).unwrap().value(0, 0).is_some_and(f32::is_nan));
     let filled = read(Holes::FromNeighbours).unwrap();
     assert_eq!((filled.value(1, 2), filled.value(1, 0)), (Some(3.0), Some(5.0)));
     assert!(filled.values.iter().all(|v| (3.0..=7.0).contains(v)), "{filled:?}");
     let none = format!("{ISLAND}{}", "-9999 ".repeat(12));
-    let error = Raster::from_ascii("f", none.as_bytes(), Band::Height, Holes::FromNeighbours).unwrap_err();
-    assert!(error.to_string().contains("no cell of this file"));
+    for holes in [Holes::FromNeighbours, Holes::Value(0.0)] {
+        let error = Raster::from_ascii("f", none.as_bytes(), Band::Height, holes).unwrap_err();
+        assert!(error.to_string().contains("no cell of this file"));
+    }
+}
+
+#[test]
+fn tiles_are_joined_where_their_cells_fit() {
+    let tile = |x: f64, y: f64, value: f32| {
+        Raster::new(3, 3, DVec2::new(x, y), DVec2::splat(10.0), (0..9).map(|i| value + i as f32).collect()).unwrap()
+    };
+    // Two tiles that share a column, and one north of the first.
+    let tiles = [tile(0.0, 0.0, 0.0), tile(20.0, 0.0, 100.0), tile(0.0, 30.0, 200.0)];
+    let join = |tiles: &[Raster], holes| Raster::join(tiles, Band::Height, holes);
+    let joined = join(&tiles, Holes::Value(-5.0)).unwrap();
+    assert_eq!(joined.bounds(), Bounds::new(DVec2::ZERO, DVec2::new(50.0, 60.0)));
+    let at = |column, row| joined.value(column, row).unwrap();
+    assert_eq!([at(0, 0), at(2, 0), at(3, 0), at(0, 3), at(4, 5)], [0.0, 2.0, 101.0, 200.0, -5.0]);
+    assert_eq!(joined.filled(), 6);
+    assert_eq!(
+        join(&tiles, Holes::Refuse).unwrap_err().to_string(),
+        "6 of 30 cells have no height in any tile, the first near 35,35; fill them, or say how to fill them (`--fill`)"
+    );
+    // A hole of one tile is filled by another.
+    let mut with_hole = tiles[0].clone();
+    with_hole.values[2] = f32::NAN;
+    assert_eq!(join(&[with_hole, tiles[1].clone()], Holes::Refuse).unwrap().value(2, 0), Some(100.0));
+    let off = tile(25.0, 0.0, 0.0);
+    assert!(matches!(join(&[tiles[0].clone(), off], Holes::Refuse), Err(JoinError::Off { tile: 1, .. })));
+    let coarse = Raster::new(2, 2, DVec2::ZERO, DVec2::splat(15.0), vec![0.0; 4]).unwrap();
+    assert!(matches!(join(&[tiles[0].clone(), coarse], Holes::Refuse), Err(JoinError::Step { tile: 1, .. })));
+    assert_eq!(join(&[], Holes::Refuse), Err(JoinError::Empty));
+    assert!(matches!(join(&[tiles[0].clone(), tile(1e9, 0.0, 0.0)], Holes::Refuse), Err(JoinError::Range(_))));
 }
 
 proptest! {
@@ -266,74 +343,6 @@ proptest! {
         text.replace_range(from..(from + cut).min(text.len()), &put);
         if let Ok(raster) = Raster::from_ascii("f", text.as_bytes(), Band::Height, Holes::FromNeighbours) {
             prop_assert!(raster.values.iter().all(|v| v.abs() <= 1e5));
-        }
-    }
-}
-
-#[cfg(feature = "cli")]
-mod pictures {
-    use super::*;
-    use ::png::{BitDepth, ColorType, Encoder};
-
-    const PLACE: PngPlace = PngPlace { corner: DVec2::ZERO, step: DVec2::splat(4.0), black: -100.0, white: 3000.0 };
-
-    fn picture(width: u32, height: u32, colour: ColorType, bits: BitDepth, data: &[u8]) -> Vec<u8> {
-        let mut file = Vec::new();
-        let mut encoder = Encoder::new(&mut file, width, height);
-        encoder.set_color(colour);
-        encoder.set_depth(bits);
-        encoder.write_header().unwrap().write_image_data(data).unwrap();
-        file
-    }
-
-    fn sixteen() -> Vec<u8> {
-        let data: Vec<u8> = [0u16, 65_535, 32_768, 1, 2, 3].iter().flat_map(|v| v.to_be_bytes()).collect();
-        picture(3, 2, ColorType::Grayscale, BitDepth::Sixteen, &data)
-    }
-
-    fn error(file: &[u8]) -> String {
-        Raster::from_png("h.png", file, Band::Height, PLACE).unwrap_err().reason
-    }
-
-    #[test]
-    fn grey_is_height_and_the_first_row_is_north() {
-        let raster = Raster::from_png("h.png", &sixteen(), Band::Height, PLACE).unwrap();
-        assert_eq!((raster.value(0, 1), raster.value(1, 1)), (Some(-100.0), Some(3000.0)));
-        assert!((raster.value(2, 0).unwrap() - (3.0 / 65_535.0 * 3100.0 - 100.0)).abs() < 1e-4);
-        let eight = picture(2, 2, ColorType::Grayscale, BitDepth::Eight, &[0, 255, 51, 0]);
-        let mask = PngPlace { black: 0.0, white: 1.0, ..PLACE };
-        let raster = Raster::from_png("m.png", &eight, Band::Vegetation, mask).unwrap();
-        assert_eq!((raster.value(1, 1), raster.value(0, 0)), (Some(1.0), Some(0.2)));
-    }
-
-    #[test]
-    fn other_pictures_are_refused() {
-        let colours = picture(2, 2, ColorType::Rgb, BitDepth::Eight, &[0; 12]);
-        assert_eq!(error(&colours), "the image is Rgb of 8 bits; it must be Grayscale of 16 or 8 bits");
-        assert!(error(&sixteen()[..60]).starts_with("not a readable PNG"));
-        assert!(error(b"P5 2 2").starts_with("not a readable PNG"));
-        let thin = picture(9, 1, ColorType::Grayscale, BitDepth::Eight, &[0; 9]);
-        assert!(error(&thin).starts_with("size of the raster is 9 x 1"));
-        let bad = |place| Raster::from_png("h.png", &sixteen(), Band::Height, place).unwrap_err().reason;
-        assert!(bad(PngPlace { white: f64::INFINITY, ..PLACE }).starts_with("height is inf"));
-        assert!(bad(PngPlace { step: DVec2::ZERO, ..PLACE }).starts_with("width of a cell is 0"));
-        // A header that claims more than the file can hold, with a checksum that fits.
-        let mut liar = picture(8192, 8192, ColorType::Grayscale, BitDepth::Sixteen, &vec![0; 8192 * 8192 * 2]);
-        liar.truncate(5000);
-        assert!(error(&liar).starts_with("the file is truncated: 5000 bytes"), "{}", error(&liar));
-    }
-
-    proptest! {
-        #[test]
-        fn any_bytes_are_read_or_refused(
-            bytes in prop::collection::vec(any::<u8>(), 0..200),
-            at in any::<prop::sample::Index>(),
-        ) {
-            let _ = Raster::from_png("h.png", &bytes, Band::Height, PLACE);
-            let mut file = sixteen();
-            let at = at.index(file.len());
-            file.splice(at..(at + bytes.len() / 20).min(sixteen().len()), bytes.iter().take(9).copied());
-            let _ = Raster::from_png("h.png", &file, Band::Height, PLACE);
         }
     }
 }

@@ -32,7 +32,7 @@ const BYTES: usize = 1 << 30;
 ///
 /// ```
 /// use bevy_sprawl::edits::Edits;
-/// use bevy_sprawl::region::{RoadNetwork, RoadSettings, SettlementSettings, SettlementTable};
+/// use bevy_sprawl::region::{RoadNetwork, RoadSettings, SettlementSettings, SettlementTable, TableOptions};
 /// use bevy_sprawl::space::{Bounds, Seed};
 /// use bevy_sprawl::terrain::{Band, Holes, Raster, RasterTerrain};
 /// use std::sync::Arc;
@@ -40,7 +40,7 @@ const BYTES: usize = 1 << 30;
 /// let heights = b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 8000\n 12 14 20\n 30 8 11\n";
 /// let terrain = RasterTerrain::new(Raster::from_ascii("plain.asc", heights, Band::Height, Holes::Refuse)?)?;
 /// let towns = b"name,x,y,sigma\nEast,21000,7000,1\nWest,2000,5000,2\nNorth,9000,15000,0\n";
-/// let towns = SettlementTable::from_csv("towns.csv", towns, &SettlementSettings::default(), None)?;
+/// let towns = SettlementTable::from_csv("towns.csv", towns, &SettlementSettings::default(), &TableOptions::default())?;
 ///
 /// let settlements: Vec<_> = towns.settlements().cloned().collect();
 /// let settings = RoadSettings::finite(250);
