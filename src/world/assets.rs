@@ -178,11 +178,12 @@ mod tests {
         let found = assets.locate(&error).unwrap().to_string();
         assert!(found.starts_with("styles/mine.ron:3:26: style `mine` names the patch set `wooden`"), "{found}");
         // Settings are at fault for what they say, not for what they leave as it is.
-        let text = "(\n  settlements: (styles: (city: [(\"grid\", 1), (\"roman\", 2)])),\n)";
+        let cities = "  settlements: (styles: (city: [(\"grid\", 1), (\"roman\", 2)],";
+        let text = &format!("(\n{cities} town: [(\"grid\", 1)], village: [(\"grid\", 1)])),\n)");
         let settings = Settings::from_ron("s.ron", text).unwrap();
         let error = WorldAssets::bundled().check(&settings).unwrap_err();
         let found = error.in_settings(&settings, "s.ron", text).unwrap().to_string();
-        assert!(found.starts_with("s.ron:2:47: settings name the style `roman`"), "{found}");
+        assert!(found.starts_with("s.ron:2:46: settings name the style `roman`"), "{found}");
         let missing = WorldAssets::default().check(&Settings::default()).unwrap_err();
         assert_eq!(missing.in_settings(&Settings::default(), "s.ron", "()"), None);
     }

@@ -113,11 +113,11 @@ fn every_reader_takes_what_people_have_and_names_what_it_refuses() {
         write(text.as_bytes());
         let expected = meaning(&words);
         for (what, content) in [
-            ("a byte order mark", format!("\u{feff}{text}")),
-            ("line ends of Windows", text.replace('\n', "\r\n")),
-            ("blanks at the ends of lines", text.replace('\n', "  \n")),
+            (
+                "a byte order mark, line ends of Windows and blanks before them",
+                format!("\u{feff}{}\r\n\r\n", text.replace('\n', "  \r\n")),
+            ),
             ("no line end", text.trim_end().to_owned()),
-            ("many line ends", format!("{text}\n\n")),
             ("letters of Unicode", text.replace('Q', "\u{6771}")),
         ] {
             write(content.as_bytes());
@@ -147,8 +147,6 @@ fn every_reader_takes_what_people_have_and_names_what_it_refuses() {
             assert!(line.contains(&*name) && line.contains(reason), "{}: {line}", reader.name);
         }
         write(text.as_bytes());
-        let expected_again = meaning(&words);
-        assert_eq!(expected_again, expected);
     }
     // What editors and systems leave beside the files is no asset.
     for name in [
@@ -219,7 +217,8 @@ fn tiles_are_joined_and_masks_need_no_value_on_land() {
     let (wet, _) = roads(&[&grid], &["--water", &mask]);
     assert_eq!(wet["ground"]["water"]["filled_cells"], 59 * 40);
     assert!(wet["totals"]["bridges"].as_u64() > Some(0), "{wet}");
-    let void = file("void.asc", &text.replacen(rows[0][0], "-32768", 1)).to_string_lossy().into_owned();
+    let void =
+        file("void.asc", &text.replacen(&format!("\n{} ", rows[0][0]), "\n-32768 ", 1)).to_string_lossy().into_owned();
     let base = ["roads", "--settlements", &towns, "-o", &drawn, "--terrain", &void];
     assert!(
         refused(&base).contains("void.asc:6:1: row 1, column 1: this cell and 0 more of 2400 cells have no height")

@@ -183,7 +183,7 @@ impl Sheet {
                 let at = from - DVec2::new(0.0, (60.0 + 26.0 * i as f64) * unit);
                 group =
                     group.add(box_of(at - DVec2::Y * 11.0 * unit, DVec2::new(28.0, 9.0) * unit).set("fill", colour));
-                group = group.add(self.write(name, at + DVec2::X * 40.0 * unit, 13.0));
+                group = group.add(self.write(&name.to_uppercase(), at + DVec2::X * 40.0 * unit, 13.0));
             }
         }
         let frame = box_of(DVec2::ZERO, self.size).set("fill", "none");
@@ -206,7 +206,7 @@ impl Sheet {
         let (low, size) = (DVec2::splat(24.0 * unit), DVec2::new(width + 36.0 * unit, 50.0 * unit));
         let at = low + DVec2::new(18.0, 36.0) * unit;
         let group = Group::new().set("id", "title").add(self.card(low, size));
-        (group.add(self.write(text, at, 22.0)), Bounds::new(low, low + size))
+        (group.add(self.write(&text.to_uppercase(), at, 22.0)), Bounds::new(low, low + size))
     }
 
     fn card(&self, low: DVec2, size: DVec2) -> Rectangle {
