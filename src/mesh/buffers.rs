@@ -82,6 +82,7 @@ impl MeshBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
 
     #[test]
     fn textures_keep_their_size_and_are_not_mirrored() {
@@ -99,12 +100,12 @@ mod tests {
         let places = mesh.texture_coordinates();
         for (face, points) in places.chunks(4).zip(&faces) {
             let [right, up] = [1, 3].map(|i| {
-                let by = [face[i][0] - face[0][0], face[i][1] - face[0][1]];
-                assert!((f64::from(by[0].hypot(by[1])) - points[i].distance(points[0])).abs() < 1e-5);
+                let by = Vec2::from(face[i]) - Vec2::from(face[0]);
+                assert!((f64::from(by.length()) - points[i].distance(points[0])).abs() < 1e-5);
                 by
             });
             // v runs down an image, so a face that is not mirrored goes around clockwise.
-            assert!(right[0] > 0.0 && right[0] * up[1] - right[1] * up[0] < 0.0, "{face:?}");
+            assert!(right.x > 0.0 && right.perp_dot(up) < 0.0, "{face:?}");
         }
     }
 }

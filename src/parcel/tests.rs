@@ -21,8 +21,8 @@ fn rules(rng: &mut Stream) -> ParcelRules {
     let (row, usual) = (rng.chance(0.4), rng.chance(0.75));
     let pick = |rng: &mut Stream, of: (f64, f64), all: (f64, f64)| {
         let (low, high) = if usual { of } else { all };
-        // Small values are as likely as large ones.
-        low * (high / low).powf(rng.unit())
+        // Small values are likelier than large ones.
+        low + (high - low) * rng.unit() * rng.unit()
     };
     let width = pick(rng, (8.0, 20.0), (4.0, 500.0));
     let setback = |rng: &mut Stream, most: f64| if row { 0.0 } else { pick(rng, (1.0, most), (0.1, 100.0)) };
