@@ -13,6 +13,7 @@ use crate::plugin::{
 };
 use crate::region::Outline;
 use crate::space::{ChunkCoord, Seed};
+use crate::terrain::Terrain;
 use crate::testing::Flat;
 use crate::world::{WorldAssets, WorldSource};
 use bevy::ecs::system::SystemState;

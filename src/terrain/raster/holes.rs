@@ -22,7 +22,7 @@ pub enum Holes {
 pub(super) enum HolesError {
     #[error("{count} of {cells} cells have no {name}; fill them, or say how to fill them (`--fill`)", name = .band.name())]
     Refused { count: usize, cells: usize, band: Band },
-    #[error("no cell of this file has a {}", .0.name())]
+    #[error("no cell of this file has a value: {} is missing everywhere", .0.name())]
     NoValue(Band),
     #[error("the value for cells without a value: {0}")]
     Range(#[from] RangeError),

@@ -17,7 +17,7 @@ impl SettlementTable {
     /// | `x`, `y`, or `easting`, `northing` | centre in plan metres, rounded to whole metres |
     /// | `lon`, `lat`, or `lng`, `long`, `longitude`, `latitude`, or `x`, `y` | with [`TableOptions::projection`]: centre in degrees |
     /// | `sigma` | size class: 0 village, 1 town, 2 city |
-    /// | `population`, or `pop`, `inhabitants` | instead of `sigma`: number of inhabitants, 0 to 100,000,000, from which [`Populations`] give the size class; thousands may be set apart (`1,200`) |
+    /// | `population`, or `pop`, `inhabitants` | instead of `sigma`: number of inhabitants, 0 to 100,000,000, from which [`Populations`](crate::region::Populations) give the size class; thousands may be set apart (`1,200`) |
     /// | `radius_m`, or `radius` | optional, and may be empty: radius in metres, 120 to 5,000 |
     ///
     /// The first of several headings for the same counts. Other columns, and rows without any value, are left out; see
