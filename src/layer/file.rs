@@ -32,10 +32,7 @@ impl FileError {
 
     /// An error at a byte of the file's content; a byte beyond the end counts as the end.
     pub fn at(file: impl Into<String>, content: &[u8], byte: usize, reason: impl std::fmt::Display) -> Self {
-        let before = &content[..byte.min(content.len())];
-        let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-        Self::new(file, (line, column(&before[line_start..])), reason)
+        Self::new(file, Lines::new(content).place(content, byte), reason)
     }
 }
 
@@ -45,7 +42,8 @@ fn column(before: &[u8]) -> usize {
 }
 
 /// Where the lines of a file begin, for many errors in it.
-pub(super) struct Lines(Vec<usize>);
+#[derive(Clone, Debug)]
+pub(crate) struct Lines(Vec<usize>);
 
 impl Lines {
     pub fn new(content: &[u8]) -> Self {
@@ -53,10 +51,15 @@ impl Lines {
         Self(std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect())
     }
 
+    /// The line, from 1, that holds a byte of the content.
+    pub fn line(&self, byte: usize) -> usize {
+        self.0.partition_point(|start| *start <= byte)
+    }
+
     /// Line and column, from 1, of a byte of the content; a byte beyond the end counts as the end.
     pub fn place(&self, content: &[u8], byte: usize) -> (usize, usize) {
         let byte = byte.min(content.len());
-        let line = self.0.partition_point(|start| *start <= byte);
+        let line = self.line(byte);
         (line, column(&content[self.0[line - 1]..byte]))
     }
 }

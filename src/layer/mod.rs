@@ -14,7 +14,7 @@ mod text;
 pub use cache::{LayerCache, Weigh};
 pub use error::{Cancel, LayerError, Reach};
 pub use file::FileError;
-pub(crate) use file::quoted;
+pub(crate) use file::{Lines, quoted};
 pub use parallel::each;
 pub use range::RangeError;
 pub use ron_text::{error_at, errors_at_elements, from_ron, is_written};

@@ -382,7 +382,7 @@ fn roads_follow_edits() {
     let count = |report: &Value, key: &str| report[key].as_array().map(Vec::len);
     let plain = json(&base);
     let head = "ncols 60\nnrows 40\nxllcorner 1000\nyllcorner -2000\ncellsize 250\nNODATA_value -9999\n";
-    file("painted.asc", &format!("{head}{}\n", vec![vec!["0"; 60].join(" "); 40].join("\n")));
+    file("painted.asc", &format!("{head}{}\n", vec![vec!["-9999"; 60].join(" "); 40].join("\n")));
     let text = "(\n  settlements: [Pin(at: (10000, 4000), size: Village, name: \"New\")],\n  \
                 roads: [\n    Ban(from: (2500, 1000), to: (7000, 2200)),\n    Keep(from: (0, 0), to: (7000, 2200)),\n  ],\n  \
                 influence_maps: [(file: \"painted.asc\")],\n  patches: [(patch: \"cross\", at: (0, 0))],\n)";

@@ -15,8 +15,6 @@ use std::fmt::Display;
 const MISSING: f64 = -9999.0;
 /// Words for a cell without a value, besides NaN.
 const MISSING_WORDS: [&str; 5] = ["null", "nodata", "none", "na", "n/a"];
-/// Heights that stand for voids wherever the header says nothing: the least numbers of 16 bits, 33 km below the sea.
-const VOIDS: [f64; 2] = [-32_768.0, -32_767.0];
 /// Keys of the header.
 const KEYS: [&str; 10] =
     ["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
@@ -128,9 +126,7 @@ impl Header<'_> {
     fn is_missing(&self, word: &Word<'_>, number: Option<f64>, band: Band) -> bool {
         match number {
             Some(value) => {
-                value.is_nan()
-                    || self.missing.1.is_some_and(|m| value as f32 == m as f32)
-                    || (band == Band::Height && VOIDS.contains(&value))
+                value.is_nan() || self.missing.1.is_some_and(|m| value as f32 == m as f32) || band.is_void(value)
             }
             None => word.is_missing_word() || self.missing.0.is_some_and(|m| word.text.eq_ignore_ascii_case(m)),
         }

@@ -37,6 +37,11 @@ impl Band {
         }
     }
 
+    /// Whether a value stands for no value although the file does not say so: heights 33 km deep are voids of surveys.
+    pub(super) fn is_void(self, value: f64) -> bool {
+        self == Self::Height && (value == -32_768.0 || value == -32_767.0)
+    }
+
     /// Fails if a value is out of range or NaN.
     pub(super) fn check(self, value: f64) -> Result<(), RangeError> {
         let (low, high) = self.range();

@@ -3,21 +3,21 @@
 use super::band::Band;
 use super::grid::{MOST_CELLS, Raster, count};
 use super::holes::Holes;
-use crate::layer::FileError;
+use crate::layer::{FileError, quoted};
 use glam::DVec2;
 use std::fmt::Display;
 use std::io::Cursor;
+use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 /// Greatest ratio by which compression can shrink a picture.
 const MOST_RATIO: usize = 4_000;
-/// Heights that stand for voids where the file does not say what does: the least numbers of 16 bits.
-const VOIDS: [f64; 2] = [-32_768.0, -32_767.0];
 
 /// Geo keys: kind of coordinates, whether these are those of corners or of middles, system of metres, units.
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
+const ANGULAR_UNITS: u16 = 2054;
 const PROJECTED_SYSTEM: u16 = 3072;
 const PROJECTED_UNITS: u16 = 3076;
 const VERTICAL_UNITS: u16 = 4099;
@@ -26,6 +26,7 @@ const PROJECTED: u16 = 1;
 const IN_DEGREES: u16 = 2;
 const PIXEL_IS_POINT: u16 = 2;
 const METRE: u16 = 9001;
+const DEGREE: u16 = 9102;
 /// Systems of web maps, whose metres are longer than those on the ground the farther from the equator they are.
 const WEB_MERCATOR: [u16; 4] = [3857, 3785, 900, 41001];
 
@@ -76,7 +77,11 @@ impl Raster {
             let reason = format!("the file is truncated: {} bytes cannot hold {columns} x {rows} cells", content.len());
             return Err(wrong(&reason));
         }
-        let bands = decoder.colortype().map_err(broken)?.num_samples();
+        let colours = decoder.colortype().map_err(broken)?;
+        if matches!(colours, ColorType::Palette(_)) {
+            return Err(wrong(&format!("the file has a palette of colours; it must hold {}s", band.name())));
+        }
+        let bands = colours.num_samples();
         if bands != 1 {
             return Err(wrong(&format!("the file has {bands} bands; it must have one, of {}s", band.name())));
         }
@@ -84,7 +89,12 @@ impl Raster {
         let units = units(&keys).map_err(|e| wrong(&e))?;
         let (corner, step) = place(&mut decoder, &keys, rows).map_err(|e| wrong(&e))?;
         let missing = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
-        let missing: Option<f64> = missing.and_then(|m| m.trim_matches(['\0', ' ', '\n']).parse().ok());
+        let missing: Option<f64> = match missing.as_ref().map(|m| m.trim_matches(['\0', ' ', '\n'])) {
+            None | Some("") => None,
+            Some(text) => Some(text.parse().map_err(|_| {
+                wrong(&format!("its mark of cells without a value is {}, which is no number", quoted(text.as_bytes())))
+            })?),
+        };
         let numbers = decoder.read_image().map_err(broken)?;
         let numbers: Vec<f64> = match numbers {
             DecodingResult::U8(v) => v.into_iter().map(f64::from).collect(),
@@ -101,8 +111,7 @@ impl Raster {
         };
         let mut values = Vec::with_capacity(cells);
         for (i, value) in numbers.into_iter().enumerate() {
-            let is_void = band == Band::Height && VOIDS.contains(&value);
-            if value.is_nan() || is_void || missing.is_some_and(|m| m as f32 == value as f32) {
+            if value.is_nan() || band.is_void(value) || missing.is_some_and(|m| m as f32 == value as f32) {
                 values.push(f32::NAN);
                 continue;
             }
@@ -122,7 +131,10 @@ fn units(keys: &GeoKeys) -> Result<GeoUnits, String> {
         return Err("its heights are not in metres; convert them first".into());
     }
     match keys.get(MODEL_TYPE) {
-        Some(IN_DEGREES) => Ok(GeoUnits::Degrees),
+        Some(IN_DEGREES) if keys.get(ANGULAR_UNITS).is_none_or(|unit| unit == DEGREE || unit == 0) => {
+            Ok(GeoUnits::Degrees)
+        }
+        Some(IN_DEGREES) => Err("its coordinates are angles, but not degrees; convert them first".into()),
         Some(PROJECTED) if !in_metres(PROJECTED_UNITS) => {
             Err("its coordinates are not in metres; project it to a system of metres first, such as UTM".into())
         }

@@ -36,7 +36,10 @@ impl Holes {
             _ if count == 0 => return Ok(0),
             Self::Keep => return Ok(0),
             Self::Refuse => return Err(HolesError::Refused { count, cells, band }),
-            _ if count == cells => return Err(HolesError::NoValue(band)),
+            // A mask may be empty: there is no water or wood. Ground without a height is a mistake.
+            _ if count == cells && (band == Band::Height || self == Self::FromNeighbours) => {
+                return Err(HolesError::NoValue(band));
+            }
             Self::FromNeighbours => from_neighbours(values, columns),
             Self::Value(value) => {
                 band.check(value)?;

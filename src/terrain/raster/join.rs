@@ -70,9 +70,6 @@ impl Raster {
         let first = tiles.first().ok_or(JoinError::Empty)?;
         let bounds = tiles.iter().map(Self::bounds).fold(Bounds::EMPTY, Bounds::union);
         let size = (bounds.size() / first.step).round();
-        if size.max_element() > 1e9 {
-            count(usize::MAX, usize::MAX)?;
-        }
         let (columns, rows) = (size.x as usize, size.y as usize);
         let mut values = vec![f32::NAN; count(columns, rows)?];
         for (tile, it) in tiles.iter().enumerate() {

@@ -292,6 +292,10 @@ fn cells_without_a_number_are_filled_when_asked() {
         let error = Raster::from_ascii("f", none.as_bytes(), Band::Height, holes).unwrap_err();
         assert!(error.to_string().contains("no cell of this file"));
     }
+    for band in [Band::Depth, Band::Vegetation, Band::Influence] {
+        let mask = Raster::from_ascii("f", none.as_bytes(), band, Holes::Value(0.0)).unwrap();
+        assert_eq!((mask.filled(), mask.value(0, 0)), (12, Some(0.0)));
+    }
 }
 
 #[test]

@@ -57,10 +57,15 @@ impl SettlementTable {
     /// Leaves out the settlements that lie outside of `domain` or in water. Each is in
     /// [`rows_left_out`](super::model::TableReport::rows_left_out) then.
     pub fn leave_out_misplaced(&mut self, domain: Bounds, terrain: &dyn Terrain) {
-        for (i, fault) in self.faults(domain, terrain).into_iter().rev() {
-            let row = self.rows.remove(i);
-            let reason = format!("{} {fault}", quoted(row.settlement.name.as_bytes()));
-            self.report.rows_left_out.push(FileError::new(&*self.file, (row.line, row.column), reason));
+        let mut faults = self.faults(domain, terrain).into_iter().peekable();
+        for (i, row) in std::mem::take(&mut self.rows).into_iter().enumerate() {
+            match faults.next_if(|(misplaced, _)| *misplaced == i) {
+                None => self.rows.push(row),
+                Some((_, fault)) => {
+                    let reason = format!("{} {fault}", quoted(row.settlement.name.as_bytes()));
+                    self.report.rows_left_out.push(FileError::new(&*self.file, (row.line, row.column), reason));
+                }
+            }
         }
         self.report.rows_left_out.sort_by_key(|e| e.line);
     }

@@ -1,6 +1,6 @@
 //! The records of a table of text: fields with commas, semicolons or tabs between them (RFC 4180, apart from that).
 
-use crate::layer::{FileError, decode_text};
+use crate::layer::{FileError, Lines, decode_text};
 use csv_core::{ReadFieldResult, ReaderBuilder};
 use std::fmt::Display;
 
@@ -19,6 +19,7 @@ pub(super) struct Field {
 pub(super) struct Records<'a> {
     file: &'a str,
     content: &'a [u8],
+    lines: Lines,
     /// What stands between fields.
     separator: u8,
     /// Where the first record begins.
@@ -30,12 +31,13 @@ impl<'a> Records<'a> {
     /// spreadsheets names.
     pub fn new(file: &'a str, content: &'a [u8]) -> Result<Self, FileError> {
         let content = decode_text(file, content)?.as_bytes();
+        let lines = Lines::new(content);
         let line_end =
             |from: usize| content[from..].iter().position(|b| *b == b'\n').map_or(content.len(), |i| from + i);
         let first = content.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(0);
         let line = content[first..line_end(first)].trim_ascii_end();
         if let Some([separator]) = line.strip_prefix(b"sep=").filter(|s| s.len() == 1) {
-            return Ok(Self { file, content, separator: *separator, start: line_end(first) });
+            return Ok(Self { file, content, lines, separator: *separator, start: line_end(first) });
         }
         let count = |separator: u8| {
             let mut is_quoted = false;
@@ -48,11 +50,11 @@ impl<'a> Records<'a> {
         };
         // Of as many, the first.
         let separator = SEPARATORS.into_iter().rev().max_by_key(|s| count(*s)).unwrap_or(b',');
-        Ok(Self { file, content, separator, start: 0 })
+        Ok(Self { file, content, lines, separator, start: 0 })
     }
 
     pub fn error(&self, at: usize, reason: impl Display) -> FileError {
-        FileError::at(self.file, self.content, at, reason)
+        FileError::new(self.file, self.lines.place(self.content, at), reason)
     }
 
     /// The length of the text in bytes.
@@ -70,8 +72,6 @@ impl<'a> Records<'a> {
         let mut reader = ReaderBuilder::new().delimiter(self.separator).build();
         let (mut records, mut record) = (Vec::new(), Vec::new());
         let (mut at, mut last) = (self.start, self.start);
-        // Lines are counted on the way. Counting from the start for each row would take hours for a long file.
-        let (mut line, mut counted) = (1, 0);
         loop {
             let (result, read, written) = reader.read_field(&rest[at..], &mut buffer);
             match result {
@@ -84,8 +84,7 @@ impl<'a> Records<'a> {
                 }
                 ReadFieldResult::Field { record_end } => {
                     let start = self.start(at, record.is_empty()).min(self.content.len());
-                    line += self.content[counted..start.max(counted)].iter().filter(|b| **b == b'\n').count();
-                    counted = start.max(counted);
+                    let line = self.lines.line(start);
                     let text = String::from_utf8_lossy(&buffer[..written]).trim().to_owned();
                     record.push(Field { at: start, line, text });
                     if record_end {
@@ -107,7 +106,6 @@ impl<'a> Records<'a> {
 
     /// Column of a byte in its line, from 1.
     pub fn column(&self, at: usize) -> usize {
-        let line_start = self.content[..at].iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        FileError::at("", &self.content[line_start..], at - line_start, "").column
+        self.lines.place(self.content, at).1
     }
 }
