@@ -40,7 +40,7 @@ pub struct InfluenceMap {
     pub cells: Option<Arc<Painted>>,
 }
 
-/// A grid of extra cost per metre of road.
+/// A grid of extra cost per metre of road: -10 to 100.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painted {
     /// Middle of the south-west cell, in plan metres.
@@ -63,11 +63,28 @@ impl InfluenceMap {
         {
             value.map_or(Ok(()), |v| number(field, v, range))?;
         }
+        if let Some(cells) = &self.cells {
+            cells.check()?;
+        }
         road_classes(&self.classes)
     }
 }
 
 impl Painted {
+    fn check(&self) -> Result<(), String> {
+        let rows = self.values.len().checked_div(self.columns).unwrap_or(0);
+        if self.columns < 2 || rows < 2 || self.values.len() != rows * self.columns {
+            let (count, columns) = (self.values.len(), self.columns);
+            return Err(format!(
+                "{count} cells in {columns} columns are no grid; there must be 2 columns and 2 rows or more"
+            ));
+        }
+        if !(self.step.is_finite() && self.step.min_element() > 0.0 && self.first.is_finite()) {
+            return Err(format!("cells of {} metres at {} are no grid", self.step, self.first));
+        }
+        self.values.iter().try_for_each(|v| number("cells", f64::from(*v), STRENGTHS))
+    }
+
     /// The box between the middles of the outermost cells, in plan metres.
     pub fn bounds(&self) -> Bounds {
         let count = DVec2::new(self.columns as f64, (self.values.len() / self.columns) as f64);

@@ -3,7 +3,7 @@
 use super::chunk::{ChunkData, ChunkStatus};
 use super::frame_time::Stopwatch;
 use super::origin::SprawlOrigin;
-use super::source::{SprawlSource, SprawlWorld};
+use super::source::SprawlSource;
 use crate::chunk::Chunk;
 use crate::network::{JunctionId, StreetClass};
 use crate::space::ChunkCoord;
@@ -76,7 +76,6 @@ fn draw(
     origin: Res<SprawlOrigin>,
     chunks: Query<(&ChunkCoord, &Transform, &ChunkStatus, Option<&ChunkData>)>,
     source: Res<SprawlSource>,
-    world: Res<SprawlWorld>,
 ) {
     let _running = stopwatch.start();
     let (_, colours) = store.config::<SprawlGizmos>();
@@ -95,9 +94,8 @@ fn draw(
             continue;
         };
         let at = |p: DVec2| {
-            // Streets leave the chunk's square.
-            let elsewhere = || world.get().map_or(0.0, |world| world.height_at(chunk.origin.to_plan(p)));
-            let height = chunk.ground.height(p).unwrap_or_else(elsewhere);
+            // Streets leave the chunk's square. Outside, the height at its edge is near enough, and costs no sample.
+            let height = chunk.ground.height(p.clamp(DVec2::ZERO, DVec2::splat(chunk.size as f64))).unwrap_or(0.0);
             transform.translation + Vec3::new(p.x as f32, (height + LIFT) as f32, -p.y as f32)
         };
         if let Some(colour) = colours.chunk_borders {

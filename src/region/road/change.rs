@@ -41,13 +41,19 @@ impl RoadSettings {
     }
 
     /// Distance in metres beyond which no road changes, if routes of each tier change directly up to a distance of `direct`.
-    /// Routes of lower tiers follow changed routes of higher tiers.
+    /// Routes of lower tiers follow changed routes of higher tiers. A settlement at an end of a changed route may come to need
+    /// a last resort, or no longer need it, and that road is of any class.
     fn change_reach(&self, direct: impl Fn(SizeClass) -> f64) -> f64 {
+        // A way lies in an ellipse around the settlements at its ends, so that no point of it is farther from either of them than
+        // half the way, which the padding holds, and half the beeline.
+        let to_end = |tier: SizeClass| self.tier(tier).reach / 2.0 + self.tier(tier).padding(self.step);
+        let changed = SizeClass::ALL.into_iter().filter(|tier| direct(*tier) > 0.0);
+        let ends = changed.map(to_end).fold(f64::NEG_INFINITY, f64::max);
         let mut routes: f64 = 0.0;
         for tier in SizeClass::ALL {
             let t = self.tier(tier);
             let along = if routes > 0.0 { routes + t.corridor + 2.0 * t.padding(self.step) } else { 0.0 };
-            routes = along.max(direct(tier));
+            routes = along.max(direct(tier)).max(ends + to_end(tier));
         }
         // Merging and smoothing read farther, and a changed line changes as far as its next junction.
         let tile = (TILE_STEPS * self.step) as f64;

@@ -93,36 +93,16 @@ impl Distances {
         Ok(())
     }
 
-    /// The cheapest path between two settlements on the coarse lattice, for roads of class `tier`. The order of the
-    /// settlements does not matter.
+    /// The cheapest path between two settlements on the coarse lattice, for roads of class `tier`. The order of the settlements
+    /// does not matter. The costlier way is for a settlement that would get no road: any cost will do.
     pub fn coarse_path(
         &self,
-        tier: SizeClass,
+        (tier, way): (SizeClass, Way),
         a: &Settlement,
         b: &Settlement,
         cancel: &Cancel,
     ) -> Result<Arc<CoarsePath>, LayerError> {
-        self.path(tier, Way::Usual, ordered(a, b), cancel)
-    }
-
-    /// The same at any cost, for a settlement that would get no road.
-    pub fn costlier_path(
-        &self,
-        tier: SizeClass,
-        a: &Settlement,
-        b: &Settlement,
-        cancel: &Cancel,
-    ) -> Result<Arc<CoarsePath>, LayerError> {
-        self.path(tier, Way::Costlier, ordered(a, b), cancel)
-    }
-
-    fn path(
-        &self,
-        tier: SizeClass,
-        way: Way,
-        [a, b]: [&Settlement; 2],
-        cancel: &Cancel,
-    ) -> Result<Arc<CoarsePath>, LayerError> {
+        let [a, b] = ordered(a, b);
         let held = if way == Way::Usual { &self.coarse } else { &self.costlier };
         held.get(&(tier as u8, a.id, b.id), || {
             cancel.check()?;
@@ -175,7 +155,7 @@ impl Distances {
     ) -> Result<f64, LayerError> {
         let [a, b] = ordered(a, b);
         let found = self.fine.get(&(tier as u8, a.id, b.id), || {
-            let coarse = self.coarse_path(tier, a, b, cancel)?;
+            let coarse = self.coarse_path((tier, Way::Usual), a, b, cancel)?;
             if !coarse.cost.is_finite() {
                 return Ok(Distance(f64::INFINITY));
             }
@@ -202,7 +182,7 @@ impl Distances {
         {
             return Ok(Arc::new(path));
         }
-        self.coarse_path(tier, a, b, cancel)
+        self.coarse_path((tier, Way::Usual), a, b, cancel)
     }
 
     /// The line of that path. `None` where there is no path at all.

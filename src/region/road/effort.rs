@@ -72,6 +72,15 @@ impl RoadSettings {
             if bearable(reach) {
                 continue;
             }
+            if !bearable(LEAST_REACH) {
+                let allowed = "a wider spacing of settlements, a greater gamma or coarse step, or a smaller detour; roads would take \
+                               minutes to find whatever the reach";
+                return Err(RangeError {
+                    field: format!("{name}.reach"),
+                    value: reach.to_string(),
+                    allowed: allowed.into(),
+                });
+            }
             let (mut low, mut high) = (LEAST_REACH, reach);
             while high - low > 1.0 {
                 let middle = (low + high) / 2.0;

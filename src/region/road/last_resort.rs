@@ -3,7 +3,7 @@
 
 use super::budget::Budget;
 use super::distance::Distances;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
 use super::partners::Partners;
 use super::tier::{beeline, tier_of};
 use super::wishes::Wish;
@@ -49,6 +49,7 @@ impl LastResorts {
             for tier in SizeClass::ALL.into_iter().filter(|tier| *tier <= s.size) {
                 others.extend(self.partners.of(tier, s)?);
             }
+            others.retain(|other| self.inputs.wishes.of(s, other) != Some(&Wish::Ban));
             others.sort_by(|a, b| beeline(s, a).total_cmp(&beeline(s, b)).then(a.id.cmp(&b.id)));
             for other in &others {
                 if self.inputs.settlements.touch(s, other)?
@@ -57,9 +58,8 @@ impl LastResorts {
                     return Ok(Held(None));
                 }
             }
-            others.retain(|other| self.inputs.wishes.of(s, other) != Some(&Wish::Ban));
             for other in others.iter().take(MOST_TRIES) {
-                if self.distances.costlier_path(tier_of(s, other), s, other, cancel)?.cost.is_finite() {
+                if self.distances.coarse_path((tier_of(s, other), Way::Costlier), s, other, cancel)?.cost.is_finite() {
                     return Ok(Held(Some(other.id)));
                 }
             }

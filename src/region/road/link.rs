@@ -1,7 +1,7 @@
 //! Links: which settlements a road connects, and what the connection costs.
 
 use super::distance::Distances;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
 use super::route::Route;
 use super::tier::tier_of;
 use super::water_bridges;
@@ -39,7 +39,7 @@ pub(super) fn link(inputs: &Inputs, distances: &Distances, route: &Route, cancel
             let tier = tier_of(&a, &b);
             match distances.distance(tier, &a, &b, cancel)? {
                 cost if cost.is_finite() => cost,
-                _ => distances.costlier_path(tier, &a, &b, cancel)?.cost,
+                _ => distances.coarse_path((tier, Way::Costlier), &a, &b, cancel)?.cost,
             }
         }
         _ => f64::INFINITY,

@@ -3,7 +3,7 @@
 //! A pair is kept unless some settlement is, over the ground, nearer to both of its ends in the sense of `gamma`.
 
 use super::distance::Distances;
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Way};
 use super::tier::{beeline, tier_of};
 use super::wishes::Wish;
 use crate::layer::{Cancel, LayerError, Reach};
@@ -53,7 +53,7 @@ impl Proximity {
         let tier = tier_of(a, b);
         let t = self.inputs.tier(tier);
         let coarse = |a: &Settlement, b: &Settlement| -> Result<f64, LayerError> {
-            Ok(self.distances.coarse_path(tier, a, b, cancel)?.cost)
+            Ok(self.distances.coarse_path((tier, Way::Usual), a, b, cancel)?.cost)
         };
         let mut led = false;
         match self.inputs.wishes.of(a, b) {

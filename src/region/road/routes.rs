@@ -171,7 +171,7 @@ impl Routes {
                 let line = match self.distances.corridor_line(tier, a, b, cancel)? {
                     Some(line) => line,
                     None if self.last_resorts.joins(a, b, cancel)? => {
-                        self.distances.costlier_path(tier, a, b, cancel)?.line.clone()
+                        self.distances.coarse_path((tier, Way::Costlier), a, b, cancel)?.line.clone()
                     }
                     None => continue,
                 };
@@ -207,9 +207,11 @@ impl Routes {
         }
         let found = self.routes.get(&(a.id, b.id), || {
             let corridor = self.inputs.tier(tier_of(a, b)).corridor;
+            if self.inputs.settlements.touch(a, b)? {
+                return Ok(MaybeRoute(None));
+            }
             let kept = self.proximity.keeps(a, b, cancel)?;
-            let built = kept || self.last_resorts.joins(a, b, cancel)?;
-            if !built || self.inputs.settlements.touch(a, b)? {
+            if !kept && !self.last_resorts.joins(a, b, cancel)? {
                 return Ok(MaybeRoute(None));
             }
             let mut route = if kept { self.search(a, b, corridor, Way::Usual, cancel)? } else { None };
@@ -222,8 +224,7 @@ impl Routes {
     }
 
     /// Searches the route between two settlements in a corridor of a width in metres. `None` if the land lets none through. A
-    /// costlier way follows the usual corridor if there is one.
-    /// The settlement with the lower id comes first.
+    /// costlier way follows the usual corridor if there is one. The settlement with the lower id comes first.
     pub fn search(
         &self,
         a: &Settlement,
@@ -237,7 +238,7 @@ impl Routes {
         let step = self.inputs.step();
         let mut path = self.distances.corridor_path(tier, a, b, cancel)?;
         if way == Way::Costlier && !path.cost.is_finite() {
-            path = self.distances.costlier_path(tier, a, b, cancel)?;
+            path = self.distances.coarse_path((tier, Way::Costlier), a, b, cancel)?;
         }
         if !path.cost.is_finite() {
             return Ok(None);

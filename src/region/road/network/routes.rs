@@ -79,19 +79,24 @@ pub(super) fn last_resorts(
     let mut reached: BTreeSet<SettlementId> = ends.collect();
     let mut out = Vec::new();
     for s in &all {
-        let mut others: Vec<&Arc<Settlement>> = all.iter().filter(|o| o.id != s.id).collect();
-        others.retain(|o| searches.inputs.wishes.of(s, o) != Some(&Wish::Ban));
+        task.cancel.check()?;
+        if reached.contains(&s.id) {
+            continue;
+        }
+        let inputs = &searches.inputs;
+        let within_reach = |o: &Settlement| beeline(s, o) <= inputs.tier(tier_of(s, o)).reach;
+        let may_join =
+            |o: &&Arc<Settlement>| o.id != s.id && within_reach(o) && inputs.wishes.of(s, o) != Some(&Wish::Ban);
+        let mut others: Vec<&Arc<Settlement>> = all.iter().filter(may_join).collect();
         others.sort_by(|a, b| beeline(s, a).total_cmp(&beeline(s, b)).then(a.id.cmp(&b.id)));
         for other in others.into_iter().take(MOST_TRIES) {
-            if reached.contains(&s.id) {
-                break;
-            }
             let (a, b) = if s.id < other.id { (s, other) } else { (other, s) };
             let tier = tier_of(a, b);
             let corridor = searches.inputs.tier(tier).corridor * WIDER[0];
             if let Some(route) = routes.search(a, b, corridor, Way::Costlier, &task.cancel)? {
                 reached.extend([a.id, b.id]);
                 out.push((tier, Arc::new(route)));
+                break;
             }
         }
     }

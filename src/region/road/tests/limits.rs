@@ -60,6 +60,7 @@ fn both_ends(name: &str, of: impl Fn(&mut RoadSettings) -> &mut TierSettings) {
     }
     // All but the greatest reach are fine as they are.
     assert!(refused.iter().all(|name| name.contains("reach = 60000")), "{refused:?}");
+    assert!(name != "minor" || refused.len() == 1, "so long roads between villages take minutes");
 }
 
 #[test]
@@ -95,13 +96,13 @@ fn settlements_at_both_ends_of_every_range() {
         share,
         styles: _,
         steep: _,
-        jitter,
-        max_slope,
-        max_height,
-        fullness,
-        clearance,
-        gap,
-        widest_river,
+        jitter: _,
+        max_slope: _,
+        max_height: _,
+        fullness: _,
+        clearance: _,
+        gap: _,
+        widest_river: _,
     } = &usual;
     all.extend(of_each(share, [0.0, 1.0]).into_iter().map(|share| SettlementSettings { share, ..usual.clone() }));
     let nearest = PerSize { city: radius.city.1 * 1.2, town: radius.town.1 * 1.2, village: radius.village.1 * 1.2 };
@@ -124,7 +125,6 @@ fn settlements_at_both_ends_of_every_range() {
             all.push(s);
         }
     };
-    assert!([jitter, max_slope, max_height, fullness, clearance, gap, widest_river].iter().all(|v| v.is_finite()));
     with([0.0, 0.9], &|s| &mut s.jitter);
     with([0.01, 0.5], &|s| &mut s.max_slope);
     with([0.0, 10_000.0], &|s| &mut s.max_height);

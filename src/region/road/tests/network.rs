@@ -1,6 +1,7 @@
 //! What holds for the roads of a world as a whole.
 
 use super::*;
+use crate::region::road::inputs::Way;
 use crate::testing::Countryside;
 
 #[test]
@@ -297,7 +298,7 @@ fn a_town_on_a_plateau_gets_a_costlier_road() {
     for (tier, other) in
         [SizeClass::Town, SizeClass::Village].into_iter().flat_map(|t| partners(t).into_iter().map(move |o| (t, o)))
     {
-        let path = roads.searches.distances.coarse_path(tier, town, &other, &Cancel::new()).unwrap();
+        let path = roads.searches.distances.coarse_path((tier, Way::Usual), town, &other, &Cancel::new()).unwrap();
         assert!(path.cost.is_infinite(), "{} has a usual way", other.name);
     }
     assert_eq!(roads.unreached(here, &Cancel::new()).unwrap(), []);
