@@ -1,7 +1,9 @@
 //! What a square holds, cut at its border.
 
-use crate::network::{Junction, JunctionId, StreetId};
-use crate::space::{Bounds, ClippedPoint, clip_line, quantize, stable_hash};
+use crate::network::{Junction, JunctionId, Street, StreetId};
+use crate::space::{
+    Bounds, ClippedPoint, centroid, clip_line, distance_to_line, point_in_polygon, quantize, signed_area, stable_hash,
+};
 use crate::stack::PlacedStreet;
 use crate::world::{Area, Owned};
 use glam::DVec2;
@@ -19,7 +21,9 @@ const ON_SIDE: f64 = 1e-3;
 /// side. Blocks, lots and buildings are cut, too; settlements stay whole. What is cut has an id of its own in each square, all
 /// else keeps its id.
 pub fn clipped(area: &Area) -> Area {
-    let border = Border { local: area.bounds.moved(-area.origin.plan()), plan: area.bounds };
+    // Squares side by side share their sides to the bit.
+    let plan = Bounds::new(quantize(area.bounds.min), quantize(area.bounds.max));
+    let border = Border { local: plan.moved(-area.origin.plan()), plan };
     let mut junctions: BTreeMap<JunctionId, Owned<Junction>> = BTreeMap::new();
     let mut streets = Vec::new();
     for street in &area.streets {
@@ -30,22 +34,42 @@ pub fn clipped(area: &Area) -> Area {
                 let junction = |at: &DVec2| Owned { chunk: street.chunk, item: Junction { id, at: *at } };
                 junctions.extend(at.map(|at| (id, junction(at))));
             }
-            streets.push(piece);
+            streets.push((street.item.street.id, piece));
         }
     }
     // Those that the area has keep their chunks.
     for junction in &area.junctions {
         junctions.entry(junction.item.id).and_modify(|j| *j = junction.clone());
     }
-    streets.sort_by_key(|s| s.item.street.id);
-    Area {
-        streets,
-        junctions: junctions.into_values().collect(),
-        blocks: border.cut_all(&area.blocks, |b| (&mut b.id, &mut b.polygon)),
-        lots: border.cut_all(&area.lots, |l| (&mut l.id, &mut l.polygon)),
-        footprints: border.cut_all(&area.footprints, |f| (&mut f.id, &mut f.polygon)),
-        ..area.clone()
+    let (blocks, block_pieces) = border.cut_all(&area.blocks, |b| (&mut b.id, &mut b.polygon));
+    let (mut lots, lot_pieces) = border.cut_all(&area.lots, |l| (&mut l.id, &mut l.polygon));
+    let (mut footprints, _) = border.cut_all(&area.footprints, |f| (&mut f.id, &mut f.polygon));
+    for lot in &mut lots {
+        lot.item.block = piece_at(&block_pieces, lot.item.block, &lot.item.polygon);
+        let (whole, middle) = (lot.item.street, centroid(&lot.item.polygon));
+        let pieces = streets.iter().filter(|(id, _)| *id == whole).map(|(_, piece)| &piece.item.street);
+        let off = |s: &&Street| distance_to_line(middle, &s.line);
+        // A lot at the border may front a street that lies outside.
+        lot.item.street = pieces.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(whole, |s| s.id);
     }
+    for footprint in &mut footprints {
+        footprint.item.lot = piece_at(&lot_pieces, footprint.item.lot, &footprint.item.polygon);
+    }
+    let mut streets: Vec<Owned<PlacedStreet>> = streets.into_iter().map(|(_, piece)| piece).collect();
+    streets.sort_by_key(|s| s.item.street.id);
+    let junctions = junctions.into_values().collect();
+    Area { streets, junctions, blocks, lots, footprints, ..area.clone() }
+}
+
+/// The ids and polygons of the pieces of cut things, by the id of the whole.
+type Pieces = BTreeMap<u64, Vec<(u64, Vec<DVec2>)>>;
+
+/// The id of the piece of a thing that holds something else; the thing's own id if it is whole.
+fn piece_at(pieces: &Pieces, whole: u64, polygon: &[DVec2]) -> u64 {
+    let Some(pieces) = pieces.get(&whole) else { return whole };
+    let middle = centroid(polygon);
+    let holder = pieces.iter().find(|(_, piece)| point_in_polygon(middle, piece)).or_else(|| pieces.first());
+    holder.map_or(whole, |(id, _)| *id)
 }
 
 /// The box that an area is cut to.
@@ -111,13 +135,13 @@ impl Border {
         JunctionId::of(&[street.0, segment as u64, axis as u64, side])
     }
 
-    /// All things that overlap the box, cut.
+    /// All things that overlap the box, cut, and the pieces of the cut ones.
     fn cut_all<T: Clone>(
         &self,
         all: &[Owned<T>],
         parts: impl Fn(&mut T) -> (&mut u64, &mut Vec<DVec2>),
-    ) -> Vec<Owned<T>> {
-        let mut out = Vec::with_capacity(all.len());
+    ) -> (Vec<Owned<T>>, Pieces) {
+        let (mut out, mut cuts) = (Vec::with_capacity(all.len()), Pieces::new());
         for thing in all {
             let mut whole = thing.clone();
             let (id, polygon) = parts(&mut whole.item);
@@ -131,10 +155,11 @@ impl Border {
                 let mut cut = thing.clone();
                 let (new, polygon) = parts(&mut cut.item);
                 (*new, *polygon) = (self.id(id, index), piece);
+                cuts.entry(id).or_default().push((*new, polygon.clone()));
                 out.push(cut);
             }
         }
-        out
+        (out, cuts)
     }
 
     /// The parts of a polygon in the box.
@@ -161,7 +186,14 @@ impl Border {
         shapes
             .into_iter()
             .filter_map(|s| s.into_iter().next())
-            .map(|ring| ring.into_iter().map(snap).collect())
+            .map(|ring| {
+                let mut ring: Vec<DVec2> = ring.into_iter().map(snap).collect();
+                ring.dedup();
+                ring.truncate(ring.len() - usize::from(ring.len() > 1 && ring.first() == ring.last()));
+                ring
+            })
+            // Slivers along the border.
+            .filter(|ring| ring.len() > 2 && signed_area(ring).abs() > ON_SIDE)
             .collect()
     }
 }
@@ -169,8 +201,9 @@ impl Border {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::{line_length, signed_area};
+    use crate::space::line_length;
     use crate::testing;
+    use std::collections::BTreeSet;
 
     #[test]
     fn four_squares_hold_what_one_does() {
@@ -204,6 +237,13 @@ mod tests {
                 assert_eq!((junctions.get(&it.from), junctions.get(&it.to)), (it.line.first(), it.line.last()));
             }
             assert!(area.footprints.iter().flat_map(|f| &f.item.polygon).all(|p| local.contains(*p)));
+            let whole: BTreeSet<StreetId> = town.area.streets.iter().map(|s| s.item.street.id).collect();
+            let streets: BTreeSet<StreetId> = area.streets.iter().map(|s| s.item.street.id).collect();
+            let blocks: BTreeSet<u64> = area.blocks.iter().map(|b| b.item.id).collect();
+            let lots: BTreeSet<u64> = area.lots.iter().map(|l| l.item.id).collect();
+            assert!(area.lots.iter().all(|l| blocks.contains(&l.item.block)));
+            assert!(area.lots.iter().all(|l| streets.contains(&l.item.street) || whole.contains(&l.item.street)));
+            assert!(area.footprints.iter().all(|f| lots.contains(&f.item.lot)));
         }
         // A junction on the border is the same on both of its sides.
         let [west, east] = [&squares[0], &squares[1]];

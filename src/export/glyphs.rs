@@ -82,8 +82,8 @@ pub(crate) fn spelled(text: &str) -> String {
 
 /// The text in the letters that have strokes: capitals, but for the `km` and `m` of a scale.
 fn capitals(text: &str) -> String {
-    let is_length = |words: &str| words.split(' ').nth(1).is_some_and(|unit| unit == "km" || unit == "m");
-    if is_length(text) { text.to_owned() } else { spelled(text).to_uppercase() }
+    let is_length = |(number, unit): (&str, &str)| number.parse::<f64>().is_ok() && matches!(unit, "km" | "m");
+    if text.split_once(' ').is_some_and(is_length) { text.to_owned() } else { spelled(text).to_uppercase() }
 }
 
 /// Strokes of `text` with capitals `height` tall, y up, the left end of the base line at (0, 0), and the text's width.

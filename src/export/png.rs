@@ -87,8 +87,13 @@ fn words_as_strokes(text: &str) -> Result<String, ExportError> {
                 open = Some((attributes, String::new()));
             }
             (Event::Text(words), Some((_, all))) => *all += &words.xml_content(XmlVersion::Implicit1_0),
-            // References such as `&amp;` have no strokes.
-            (Event::GeneralRef(_), Some((_, all))) => all.push(' '),
+            (Event::GeneralRef(name), Some((_, all))) => all.push(match name.as_ref() {
+                "amp" => '&',
+                "quot" => '"',
+                "apos" => '\'',
+                // The others have no strokes.
+                _ => ' ',
+            }),
             (Event::End(end), Some((attributes, words))) if end.name().as_ref() == "text" => {
                 writer.write_event(Event::Empty(strokes(attributes, words)))?;
                 open = None;

@@ -3,7 +3,7 @@
 use crate::beside;
 use crate::common::{At, Common};
 use crate::fail::{Fail, refuse_unused};
-use crate::output::{Format, Output, write, write_pair};
+use crate::output::{Format, Output, spelled_in_latin, write, write_pair};
 use crate::values::{point, size};
 use crate::work;
 use bevy_sprawl::export::glb::PlacedMesh;
@@ -114,6 +114,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     let mut file = Output::create(&args.output, &inputs)?;
     let start = Instant::now();
     let mut report = json!({ "file": args.output.to_string_lossy(), "at": args.at.at.to_array(), "size_m": args.size });
+    let mut names = String::new();
     let content = if format == Format::Glb {
         let meshes = meshes(common, &world, bounds, args.detail.unwrap_or(DetailArg::Full))?;
         file.write_all(&glb::write(&meshes, bounds.centre())?)?;
@@ -166,6 +167,9 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         for (key, count) in counts(&area) {
             report[key] = json!(count);
         }
+        let (spelled_json, spelled) = spelled_in_latin(&plan, format);
+        report["spelled_in_latin"] = spelled_json;
+        names = spelled;
         if let Some(real) = &real {
             report["beside"] = counts(real).into_iter().map(|(key, count)| (key.to_owned(), json!(count))).collect();
         }
@@ -173,7 +177,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     };
     report["bytes"] = json!(file.finish()?);
     report["seconds"] = json!((start.elapsed().as_secs_f64() * 1000.0).round() / 1000.0);
-    let people = format!("{}: {content} ({} s)", args.output.display(), report["seconds"]);
+    let people = format!("{}: {content} ({} s){names}", args.output.display(), report["seconds"]);
     work::print(common, &report, &people)
 }
 

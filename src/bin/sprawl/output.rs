@@ -3,6 +3,7 @@
 use crate::fail::Fail;
 use bevy_sprawl::export::svg::MapStyle;
 use bevy_sprawl::export::{ExportError, Plan, geojson, osm, png, svg};
+use serde_json::{Map, Value as Json, json};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -169,4 +170,20 @@ impl Drop for Output {
             forget(part);
         }
     }
+}
+
+/// Names that a picture has in Latin letters, for `--json`, and the line on them for people.
+pub fn spelled_in_latin(plan: &Plan<'_>, format: Format) -> (Json, String) {
+    let names = if format == Format::Png { png::spelled_in_latin(plan) } else { Vec::new() };
+    (names.iter().map(|(name, latin)| (name.clone(), json!(latin))).collect::<Map<_, _>>().into(), spelled(&names))
+}
+
+fn spelled(names: &[(String, String)]) -> String {
+    const MOST: usize = 5;
+    if names.is_empty() {
+        return String::new();
+    }
+    let named: Vec<String> = names.iter().take(MOST).map(|(name, latin)| format!("{name} as {latin}")).collect();
+    let more = if names.len() > MOST { format!(" and {} more", names.len() - MOST) } else { String::new() };
+    format!("\nspelled in Latin letters (an .svg has them as they are): {}{more}", named.join(", "))
 }

@@ -34,11 +34,12 @@ pub fn read(
         _ => {
             let (raster, units) = Raster::from_geotiff(&name, &content, band, holes)?;
             match (units, in_degrees) {
-                (GeoUnits::Degrees, false) => {
-                    Err(Fail::file(path, "is in degrees; add --geographic, and give all places in degrees"))
-                }
+                (GeoUnits::Degrees, false) => Err(Fail::file(
+                    path,
+                    "is in degrees; places here are in metres (`sprawl roads --geographic` takes degrees)",
+                )),
                 (GeoUnits::Metres, true) => {
-                    Err(Fail::file(path, "is in metres; leave --geographic out, and give all places in metres"))
+                    Err(Fail::file(path, "is in metres; with --geographic all places are in degrees"))
                 }
                 _ => Ok(raster),
             }

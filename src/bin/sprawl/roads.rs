@@ -12,12 +12,12 @@ mod tiles;
 use crate::common::{Common, Flag};
 use crate::edits::EditsFile;
 use crate::fail::Fail;
-use crate::output::{Format, Output, write, write_pair};
+use crate::output::{Format, Output, spelled_in_latin, write, write_pair};
 use crate::work;
 pub use args::RoadsArgs;
 use bevy_sprawl::edits::{Edits, SettlementEdit};
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, ExportError, Plan, osm, png};
+use bevy_sprawl::export::{self, ExportError, Plan, osm};
 use bevy_sprawl::layer::{FileError, error_at};
 use bevy_sprawl::region::{
     NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementSettings, SettlementTable,
@@ -107,13 +107,9 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["timing_ms"] = json!({ "read": ms(read), "build": ms(built - read), "write": ms(start.elapsed() - built) });
     report["ground"] = ground_report.json();
     report["table"] = table::json(&table.report);
-    let spelled = if format == Format::Png { png::spelled_in_latin(&plan) } else { Vec::new() };
-    report["spelled_in_latin"] =
-        spelled.iter().map(|(name, latin)| (name.clone(), json!(latin))).collect::<serde_json::Map<_, _>>().into();
-    let mut people = report::people(&network, &report)
-        + &report::spelled(&spelled)
-        + &ground_report.people()
-        + &table::people(&table);
+    let (spelled_json, spelled) = spelled_in_latin(&plan, format);
+    report["spelled_in_latin"] = spelled_json;
+    let mut people = report::people(&network, &report) + &spelled + &ground_report.people() + &table::people(&table);
     if let Some(projection) = geographic {
         report["projection"] = report::projection(&projection);
     }

@@ -55,17 +55,6 @@ pub fn projection(projection: &Geographic) -> Json {
     })
 }
 
-/// The line for people on names that a picture has in Latin letters.
-pub fn spelled(names: &[(String, String)]) -> String {
-    const MOST: usize = 5;
-    if names.is_empty() {
-        return String::new();
-    }
-    let named: Vec<String> = names.iter().take(MOST).map(|(name, latin)| format!("{name} as {latin}")).collect();
-    let more = if names.len() > MOST { format!(" and {} more", names.len() - MOST) } else { String::new() };
-    format!("\nspelled in Latin letters (an .svg has them as they are): {}{more}", named.join(", "))
-}
-
 /// The name of a settlement.
 pub fn name(network: &RoadNetwork, id: SettlementId) -> String {
     let found = network.settlements.iter().find(|s| s.id == id);
