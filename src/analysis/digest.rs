@@ -99,6 +99,7 @@ fn content(chunk: &Chunk, meshes: u64) -> [u64; LAYERS.len()] {
     for building in &chunk.footprints {
         [building.id, building.lot, building.storeys.into()].into_iter().for_each(|w| parcel.word(w));
         parcel.line(&building.polygon);
+        [building.base, building.height].into_iter().for_each(|h| parcel.float(h));
     }
     let layers = [terrain, region, town, streets, parcel].map(Hash::finish);
     layers.into_iter().for_each(|w| all.word(w));

@@ -3,6 +3,7 @@
 use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street};
+use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
 use crate::surface::Deck;
@@ -75,9 +76,9 @@ impl Weigh for Chunk {
     fn bytes(&self) -> usize {
         let point = size_of::<DVec2>();
         let streets: usize = self.streets.iter().map(|s| &s.street).chain(&self.arriving).map(Street::bytes).sum();
-        let blocks: usize = self.blocks.iter().map(|b| 40 + b.polygon.len() * point).sum();
-        let lots: usize = self.lots.iter().map(|l| 48 + l.polygon.len() * point).sum();
-        let buildings: usize = self.footprints.iter().map(|f| 48 + f.polygon.len() * point).sum();
+        let blocks: usize = self.blocks.iter().map(|b| size_of::<Block>() + b.polygon.len() * point).sum();
+        let lots: usize = self.lots.iter().map(|l| size_of::<Lot>() + l.polygon.len() * point).sum();
+        let buildings: usize = self.footprints.iter().map(|f| size_of::<Footprint>() + f.polygon.len() * point).sum();
         let decks: usize = self.decks.iter().map(|d| 64 + d.line.len() * (point + size_of::<f64>())).sum();
         let ground = self.ground.samples.len() * size_of::<crate::terrain::TerrainSample>();
         streets + blocks + lots + buildings + decks + ground + self.junctions.len() * size_of::<Junction>() + 256

@@ -143,3 +143,14 @@ pub(super) fn storeys(rules: &ParcelRules, centrality: f64, rng: &mut Stream) ->
     let share = (centrality + 0.3 * rng.signed()).clamp(0.0, 1.0);
     (f64::from(least) + f64::from(most.saturating_sub(least)) * share).round().max(1.0) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ground_floors_lie_uphill_unless_that_would_bury_them() {
+        let floor = |corners: [f64; 3]| ground_floor(corners.into_iter());
+        assert_eq!([floor([4.0, 4.0, 4.0]), floor([0.5, 1.0, 0.0]), floor([-3.0, 2.0, -1.0])], [4.0, 1.0, -1.0]);
+    }
+}

@@ -1,5 +1,5 @@
-//! Layer 8: blocks, lots, footprints and parks of a main cell. Reads the cell, the streets in and around it, and the ground that
-//! their surface covers, so the padding is that of the town.
+//! Layer 8: blocks, lots, footprints and parks of a main cell. Reads the cell, the streets in and around it, the surface that they
+//! cover, and the drawn ground below buildings, so the padding is that of the town.
 
 mod blocks;
 mod brief;

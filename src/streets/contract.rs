@@ -315,7 +315,9 @@ fn rules_hold_whatever_they_are_but_at_ports_and_in_drawings() {
                 }
             }
             for (rule, at) in breaks(cell, out) {
-                let known = out.exceptions.iter().any(|e| e.rule == rule && e.at.distance(at) < 2.0 * rules.clearance);
+                // The nearest points of two streets may be found at another place along them.
+                let off = if rule == Rule::Clearance { 2.0 * rules.clearance } else { 1.0 };
+                let known = out.exceptions.iter().any(|e| e.rule == rule && e.at.distance(at) < off);
                 if !known {
                     failures.push(format!("{name}: {rule:?} at {at} is not counted"));
                 }

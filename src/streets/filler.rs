@@ -156,9 +156,6 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Every rule.
-    pub const ALL: [Self; 4] = [Self::Angle, Self::Length, Self::Degree, Self::Clearance];
-
     /// The rule's word in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -184,9 +181,6 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// Every cause.
-    pub const ALL: [Self; 4] = [Self::Port, Self::Pin, Self::Drawing, Self::Defect];
-
     /// The cause's word in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StartRules {
-    /// Share of the attachment points of main streets that begin with an initial patch. At the others a street grows.
+    /// Share of the attachment points of main streets that begin with an initial patch. At the others a street grows. Opposite
+    /// a closed pattern along a main street an initial patch is tried in any case (Teng 2017, Fig. 5.3).
     pub initial_patches: f64,
     /// Share of the cells that begin with a pattern along a main street.
     pub patterns_along: f64,

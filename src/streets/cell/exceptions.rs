@@ -10,6 +10,7 @@ use crate::seam::APPROACH_LENGTH;
 use crate::space::{Bounds, distance_to_segment, line_length, math, segment_distance, segments};
 use crate::streets::filler::{Cause, Exception, Rule};
 use glam::DVec2;
+use pathfinding::directed::dijkstra::dijkstra_reach;
 use std::collections::BTreeMap;
 
 /// Angle in radians, length and distance in metres by which a street may miss a rule: more than positions lose when they are
@@ -32,12 +33,20 @@ pub struct Finished<'a> {
 struct Inspection<'d, 's> {
     draft: &'d Draft<'d>,
     streets: &'s [Finished<'s>],
+    /// The vertices that streets lead to from each vertex at their ends, and the streets' lengths in metres.
+    ways: BTreeMap<VertexIx, Vec<(VertexIx, f64)>>,
     found: Vec<Exception>,
 }
 
 /// Finds the places where `streets`, all of a cell, break a rule of its style.
 pub fn exceptions(draft: &Draft<'_>, streets: &[Finished<'_>]) -> Vec<Exception> {
-    let mut inspection = Inspection { draft, streets, found: Vec::new() };
+    let mut ways: BTreeMap<VertexIx, Vec<(VertexIx, f64)>> = BTreeMap::new();
+    for Finished { ends: [a, b], line, .. } in streets {
+        let length = line_length(line);
+        ways.entry(*a).or_default().push((*b, length));
+        ways.entry(*b).or_default().push((*a, length));
+    }
+    let mut inspection = Inspection { draft, streets, ways, found: Vec::new() };
     inspection.lengths();
     inspection.junctions();
     inspection.bends();
@@ -250,20 +259,16 @@ impl Inspection<'_, '_> {
 
     /// The ends of streets that a way of at most `most` metres leads to, with their ways.
     fn reached(&self, street: usize, p: DVec2, most: f64) -> BTreeMap<VertexIx, f64> {
-        let mut reached: BTreeMap<VertexIx, f64> = BTreeMap::new();
-        let mut rest: Vec<(VertexIx, f64)> =
-            self.streets[street].ends.into_iter().zip(self.to_ends(street, p)).collect();
-        while let Some((v, d)) = rest.pop() {
-            if d > most || reached.get(&v).is_some_and(|known| *known <= d) {
-                continue;
-            }
-            reached.insert(v, d);
-            for street in self.streets.iter().filter(|s| s.ends.contains(&v)) {
-                let other = if street.ends[0] == v { street.ends[1] } else { street.ends[0] };
-                rest.push((other, d + line_length(street.line)));
-            }
-        }
-        reached
+        // Costs are whole millimetres, so that they can be ordered.
+        let cost = |metres: f64| (metres * 1000.0).round() as u64;
+        let begin = self.streets[street].ends.into_iter().zip(self.to_ends(street, p));
+        let begin: Vec<_> = begin.map(|(v, d)| (Some(v), cost(d))).collect();
+        let onwards = |place: &Option<VertexIx>| match place {
+            None => begin.clone(),
+            Some(v) => self.ways.get(v).into_iter().flatten().map(|(to, d)| (Some(*to), cost(*d))).collect(),
+        };
+        let reached = dijkstra_reach(&None, onwards).take_while(|at| at.total_cost <= cost(most));
+        reached.filter_map(|at| Some((at.node?, at.total_cost as f64 / 1000.0))).collect()
     }
 }
 
