@@ -1,10 +1,12 @@
 //! Measures of networks and worlds: what a network is like, how it compares with real streets, whether it keeps its promises,
-//! whether chunk borders can be told from it, and whether two worlds are the same. No layer of the generator reads it.
+//! whether chunk borders can be told from it, and whether two worlds are the same. Random inputs of worlds to check, too. No
+//! layer of the generator reads it.
 
 mod audit;
 mod chunk_borders;
 pub mod digest;
 mod directions;
+pub mod inputs;
 mod measures;
 mod survey;
 

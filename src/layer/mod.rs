@@ -1,5 +1,5 @@
-//! What every layer shares: its bounded cache, the padding it declares, the token that cancels work, and the errors of
-//! files that users write.
+//! What every layer shares: its bounded cache, the padding it declares, the token that cancels work, the ranges of settings,
+//! and the errors of files that users write.
 //!
 //! Part of the ground floor: knows no layer.
 
@@ -8,6 +8,7 @@ mod error;
 mod file;
 mod parallel;
 mod range;
+mod ranged;
 mod ron_text;
 mod text;
 
@@ -17,5 +18,6 @@ pub use file::FileError;
 pub(crate) use file::{Lines, quoted};
 pub use parallel::each;
 pub use range::RangeError;
+pub use ranged::{Choice, Number, Numeric, Ranged, Walk};
 pub use ron_text::{error_at, errors_at_elements, from_ron, is_written};
 pub use text::{decode_text, is_asset_file, read_file, read_text, ron_files};

@@ -24,12 +24,6 @@ impl RangeError {
         Err(Self { field: field.into(), value: value.to_string(), allowed: format!("{low} to {high}") })
     }
 
-    /// Fails unless `low <= pair.0 <= pair.1 <= high`.
-    pub fn check_pair(field: &str, pair: (f64, f64), low: f64, high: f64) -> Result<(), Self> {
-        Self::check(field, pair.0, low, high)?;
-        Self::check(field, pair.1, pair.0, high)
-    }
-
     /// The same error with `parent.` before the field.
     pub fn within(self, parent: &str) -> Self {
         Self { field: format!("{parent}.{}", self.field), ..self }

@@ -1,6 +1,6 @@
 //! Random cells, and what must hold in each.
 
-use crate::layer::Cancel;
+use crate::layer::{Cancel, Ranged};
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{BlockUse, CellParcels, ParcelBrief, divide};
 use crate::space::{
@@ -36,7 +36,7 @@ fn rules(rng: &mut Stream) -> ParcelRules {
         wings: 0.5,
         ..ParcelRules::default()
     };
-    rules.check().unwrap();
+    rules.check_ranges().unwrap();
     rules
 }
 

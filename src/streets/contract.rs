@@ -2,14 +2,14 @@
 
 use super::filler::{Cause, CellFiller, CellStreets, CellToFill, PinnedPiece, Rule};
 use super::fillers::Fillers;
-use crate::layer::{Cancel, LayerError};
+use crate::layer::{Cancel, LayerError, Ranged};
 use crate::network::{JunctionId, Street};
 use crate::seam::APPROACH_LENGTH;
 use crate::space::{
     Seed, cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing,
     segment_distance, segments,
 };
-use crate::style::{Filler, Style, random_rules};
+use crate::style::{Filler, LocalRules, Style};
 use crate::testing::{PortCell, patch_sets, styles};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -287,7 +287,8 @@ fn with_random_rules(filler: Filler, mut each: impl FnMut(&PortCell<'_>, &CellSt
     let (styles, fillers) = with_filler(filler);
     for seed in 0..RANDOM {
         let mut s = Seed(seed).stream("random rules", &[]);
-        let local = random_rules(&mut s);
+        let mut local = LocalRules::default();
+        local.draw(0.9, &mut s).expect("no range is empty");
         let styles: Vec<Style> = styles.iter().map(|style| Style { local: local.clone(), ..style.clone() }).collect();
         let cell = PortCell::new(seed + 5000, &styles);
         each(&cell, &fill(&fillers, &cell));

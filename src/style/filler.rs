@@ -1,6 +1,6 @@
 //! What fills the main cells, and how often single patches are used.
 
-use crate::layer::RangeError;
+use crate::layer::{Choice, RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// What fills the main cells.
@@ -39,11 +39,16 @@ fn one() -> f64 {
     1.0
 }
 
-impl PatchCount {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
-        RangeError::check("weight", self.weight, 0.0, 1000.0)?;
-        let Some(most) = self.at_most else { return Ok(()) };
-        RangeError::check("at_most", most.into(), self.at_least.into(), f64::from(u32::MAX))
+impl Choice for Filler {
+    const CHOICES: &'static [Self] = &Self::ALL;
+}
+
+impl Ranged for PatchCount {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { patch: _, at_least, at_most, weight } = self;
+        walk.number("weight", weight, 0.0, 1000.0)?;
+        walk.number("at_least", at_least, 0.0, u32::MAX.into())?;
+        let Some(at_most) = at_most else { return Ok(()) };
+        walk.number("at_most", at_most, (*at_least).into(), u32::MAX.into())
     }
 }

@@ -1,6 +1,6 @@
 //! The style that takes over at the fringe of a settlement.
 
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use crate::space::math::smoothstep;
 use serde::{Deserialize, Serialize};
 
@@ -16,13 +16,15 @@ pub struct FringeRules {
     pub complete: f64,
 }
 
-impl FringeRules {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
-        RangeError::check("begins", self.begins, 0.0, 1.0)?;
-        RangeError::check("complete", self.complete, self.begins, 2.0)
+impl Ranged for FringeRules {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { style: _, begins, complete } = self;
+        walk.number("begins", begins, 0.0, 1.0)?;
+        walk.number("complete", complete, *begins, 2.0)
     }
+}
 
+impl FringeRules {
     /// Share of the fringe's style at a distance from the centre, in radii of the settlement: 0 to 1.
     pub(super) fn share(&self, radii: f64) -> f64 {
         smoothstep(self.begins, self.complete.max(self.begins + 1e-6), radii)

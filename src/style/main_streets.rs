@@ -1,7 +1,7 @@
 //! Rules of main streets.
 
 use super::mix::Blend;
-use crate::layer::RangeError;
+use crate::layer::{Choice, RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// Directions that the streets of a style prefer.
@@ -70,22 +70,40 @@ impl Default for MainRules {
     }
 }
 
-impl MainRules {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
-        let range = RangeError::check;
-        range("length", self.length, 60.0, 2000.0)?;
-        range("deviation", self.deviation, 0.0, self.length / 2.0)?;
-        range("min_length", self.min_length, 40.0, self.length)?;
-        RangeError::check_pair("degree", (self.degree.0.into(), self.degree.1.into()), 2.0, 8.0)?;
-        range("min_angle_deg", self.min_angle_deg, 15.0, 90.0)?;
-        range("angle_deviation_deg", self.angle_deviation_deg, 0.0, 45.0)?;
-        range("snap_radius", self.snap_radius, 10.0, self.length)?;
-        range("roundabouts", self.roundabouts, 0.0, 1.0)?;
-        range("squares", self.squares, 0.0, 1.0 - self.roundabouts)?;
-        range("bridges", self.bridges, 150.0, 10_000.0)
-    }
+impl Choice for FieldKind {
+    const CHOICES: &'static [Self] = &Self::ALL;
+}
 
+impl Ranged for MainRules {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self {
+            field,
+            length,
+            deviation,
+            min_length,
+            degree,
+            min_angle_deg,
+            angle_deviation_deg,
+            snap_radius,
+            roundabouts,
+            squares,
+            bridges,
+        } = self;
+        walk.choice("field", field)?;
+        walk.number("length", length, 60.0, 2000.0)?;
+        walk.number("deviation", deviation, 0.0, *length / 2.0)?;
+        walk.number("min_length", min_length, 40.0, *length)?;
+        walk.pair("degree", degree, 2.0, 8.0)?;
+        walk.number("min_angle_deg", min_angle_deg, 15.0, 90.0)?;
+        walk.number("angle_deviation_deg", angle_deviation_deg, 0.0, 45.0)?;
+        walk.number("snap_radius", snap_radius, 10.0, *length)?;
+        walk.number("roundabouts", roundabouts, 0.0, 1.0)?;
+        walk.number("squares", squares, 0.0, 1.0 - *roundabouts)?;
+        walk.number("bridges", bridges, 150.0, 10_000.0)
+    }
+}
+
+impl MainRules {
     /// The rules between `a` and `b`.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
         Self {

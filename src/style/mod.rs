@@ -15,14 +15,12 @@ mod start;
 pub use filler::{Filler, PatchCount};
 pub use fringe::FringeRules;
 pub use local::LocalRules;
-#[cfg(test)]
-pub(crate) use local::tests::random_rules;
 pub use main_streets::{FieldKind, MainRules};
 pub use parcel::ParcelRules;
 pub use seam::SeamRules;
 pub use start::StartRules;
 
-use crate::layer::{FileError, RangeError, from_ron};
+use crate::layer::{FileError, RangeError, Ranged, Walk, from_ron};
 use crate::space::Stream;
 use mix::Blend;
 use serde::{Deserialize, Serialize};
@@ -75,13 +73,7 @@ impl Style {
 
     /// Checks that every value lies in its range; the error names the struct of rules and the field.
     pub fn check(&self) -> Result<(), RangeError> {
-        self.main.check().map_err(|e| e.within("main"))?;
-        self.seam.check().map_err(|e| e.within("seam"))?;
-        self.local.check().map_err(|e| e.within("local"))?;
-        self.parcels.check().map_err(|e| e.within("parcels"))?;
-        self.patches.iter().try_for_each(PatchCount::check).map_err(|e| e.within("patches"))?;
-        self.start.check().map_err(|e| e.within("start"))?;
-        self.fringe.as_ref().map_or(Ok(()), FringeRules::check).map_err(|e| e.within("fringe"))
+        self.check_ranges()
     }
 
     /// The style that is `t` (0 to 1) of the way from `a` to `b`. Numbers lie between, counts are rounded, choices without a
@@ -110,8 +102,38 @@ impl Style {
     }
 }
 
+impl Ranged for Style {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self {
+            name: _,
+            main,
+            seam,
+            local,
+            filler,
+            patch_sets: _,
+            allow: _,
+            exclude: _,
+            patches,
+            start,
+            fringe,
+            parcels,
+        } = self;
+        walk.within("main", main)?;
+        walk.within("seam", seam)?;
+        walk.within("local", local)?;
+        walk.choice("filler", filler)?;
+        walk.within("parcels", parcels)?;
+        for (i, count) in patches.iter_mut().enumerate() {
+            walk.within(&format!("patches[{i}]"), count)?;
+        }
+        walk.within("start", start)?;
+        fringe.as_mut().map_or(Ok(()), |fringe| walk.within("fringe", fringe))
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use crate::layer::Ranged;
     use crate::space::Seed;
     use crate::style::Style;
 
@@ -144,6 +166,19 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn mixtures_of_random_valid_styles_are_valid() {
+        let mut s = Seed(5).stream("test", &[]);
+        for _ in 0..500 {
+            let [mut a, mut b] = [Style::default(), Style::default()];
+            for style in [&mut a, &mut b] {
+                style.draw(0.7, &mut s).unwrap();
+            }
+            let t = s.unit();
+            assert_eq!(Style::mix(&a, &b, t, &mut s).check(), Ok(()), "{a:?} {b:?} {t}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rules of lots and buildings.
 
 use super::mix::Blend;
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// How blocks become lots and buildings. Lengths in metres, areas in square metres.
@@ -47,22 +47,34 @@ impl Default for ParcelRules {
     }
 }
 
-impl ParcelRules {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(crate) fn check(&self) -> Result<(), RangeError> {
-        let range = RangeError::check;
-        RangeError::check_pair("lot_width", self.lot_width, 4.0, 500.0)?;
-        range("lot_depth", self.lot_depth, 8.0, 500.0)?;
-        range("min_area", self.min_area, 20.0, 100_000.0)?;
-        range("setback_front", self.setback_front, 0.0, 100.0)?;
-        range("setback_side", self.setback_side, 0.0, 100.0)?;
-        range("building_depth", self.building_depth, 4.0, 200.0)?;
-        range("wings", self.wings, 0.0, 1.0)?;
-        RangeError::check_pair("storeys", (self.storeys.0.into(), self.storeys.1.into()), 1.0, 100.0)?;
-        range("vacant", self.vacant, 0.0, 1.0)?;
-        range("parks", self.parks, 0.0, 1.0)
+impl Ranged for ParcelRules {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self {
+            lot_width,
+            lot_depth,
+            min_area,
+            setback_front,
+            setback_side,
+            building_depth,
+            wings,
+            storeys,
+            vacant,
+            parks,
+        } = self;
+        walk.pair("lot_width", lot_width, 4.0, 500.0)?;
+        walk.number("lot_depth", lot_depth, 8.0, 500.0)?;
+        walk.number("min_area", min_area, 20.0, 100_000.0)?;
+        walk.number("setback_front", setback_front, 0.0, 100.0)?;
+        walk.number("setback_side", setback_side, 0.0, 100.0)?;
+        walk.number("building_depth", building_depth, 4.0, 200.0)?;
+        walk.number("wings", wings, 0.0, 1.0)?;
+        walk.pair("storeys", storeys, 1.0, 100.0)?;
+        walk.number("vacant", vacant, 0.0, 1.0)?;
+        walk.number("parks", parks, 0.0, 1.0)
     }
+}
 
+impl ParcelRules {
     /// The rules between `a` and `b`.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Rules of seams.
 
 use super::mix::Blend;
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// How local streets attach to main streets. Lengths in metres.
@@ -27,17 +27,18 @@ impl Default for SeamRules {
     }
 }
 
-impl SeamRules {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
-        let range = RangeError::check;
-        range("spacing", self.spacing, 30.0, 1000.0)?;
-        range("jitter", self.jitter, 0.0, 0.45)?;
-        range("min_spacing", self.min_spacing, 30.0, self.spacing.max(30.0))?;
-        range("crossing", self.crossing, 0.0, 0.5)?;
-        range("least", self.least.into(), 0.0, 2.0)
+impl Ranged for SeamRules {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { spacing, jitter, min_spacing, crossing, least } = self;
+        walk.number("spacing", spacing, 30.0, 1000.0)?;
+        walk.number("jitter", jitter, 0.0, 0.45)?;
+        walk.number("min_spacing", min_spacing, 30.0, *spacing)?;
+        walk.number("crossing", crossing, 0.0, 0.5)?;
+        walk.number("least", least, 0.0, 2.0)
     }
+}
 
+impl SeamRules {
     /// The rules between `a` and `b`.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! How main cells are begun.
 
 use super::mix::Blend;
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// How the filler `SemanticPatches` begins a main cell (Teng 2017, section 3.2), as shares from 0 to 1. What a share asks for is
@@ -26,16 +26,17 @@ impl Default for StartRules {
     }
 }
 
-impl StartRules {
-    /// Checks that every value lies in its range; the error names the field.
-    pub(super) fn check(&self) -> Result<(), RangeError> {
-        let share = |field: &str, value: f64| RangeError::check(field, value, 0.0, 1.0);
-        share("initial_patches", self.initial_patches)?;
-        share("patterns_along", self.patterns_along)?;
-        share("patterns_between", self.patterns_between)?;
-        share("patterns_onwards", self.patterns_onwards)
+impl Ranged for StartRules {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { initial_patches, patterns_along, patterns_between, patterns_onwards } = self;
+        walk.number("initial_patches", initial_patches, 0.0, 1.0)?;
+        walk.number("patterns_along", patterns_along, 0.0, 1.0)?;
+        walk.number("patterns_between", patterns_between, 0.0, 1.0)?;
+        walk.number("patterns_onwards", patterns_onwards, 0.0, 1.0)
     }
+}
 
+impl StartRules {
     /// The rules between `a` and `b`.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
         Self {

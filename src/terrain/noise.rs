@@ -212,8 +212,8 @@ mod tests {
         };
         assert_eq!(bad(|s| s.sea_share = f64::NAN), "sea_share");
         assert_eq!(bad(|s| s.mountain_height = 1e9), "mountain_height");
-        assert_eq!(bad(|s| s.river_width = (40.0, 20.0)), "river_width");
-        assert_eq!(bad(|s| s.lake_radius = (100.0, 2000.0)), "lake_radius");
+        assert_eq!(bad(|s| s.river_width = (40.0, 20.0)), "river_width[1]");
+        assert_eq!(bad(|s| s.lake_radius = (100.0, 2000.0)), "lake_radius[1]");
         assert_eq!(bad(|s| s.lake_spacing = 0.0), "lake_spacing");
     }
 

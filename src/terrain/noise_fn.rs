@@ -1,7 +1,7 @@
 //! Terrain from the functions of the crate `noise`.
 
 use super::{Terrain, TerrainSample};
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use glam::DVec2;
 use noise::NoiseFn;
 
@@ -32,11 +32,18 @@ impl NoiseFnSettings {
     /// # Errors
     /// The first field that is outside its range.
     pub fn check(&self) -> Result<(), RangeError> {
-        RangeError::check("metres_per_unit", self.metres_per_unit, 1.0, 1_000_000.0)?;
-        RangeError::check("base_height", self.base_height, -10_000.0, 10_000.0)?;
-        RangeError::check("height_scale", self.height_scale, 0.0, 10_000.0)?;
-        RangeError::check("sea_level", self.sea_level, -20_000.0, 20_000.0)?;
-        RangeError::check("vegetation", self.vegetation, 0.0, 1.0)
+        self.check_ranges()
+    }
+}
+
+impl Ranged for NoiseFnSettings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { metres_per_unit, base_height, height_scale, sea_level, vegetation } = self;
+        walk.number("metres_per_unit", metres_per_unit, 1.0, 1_000_000.0)?;
+        walk.number("base_height", base_height, -10_000.0, 10_000.0)?;
+        walk.number("height_scale", height_scale, 0.0, 10_000.0)?;
+        walk.number("sea_level", sea_level, -20_000.0, 20_000.0)?;
+        walk.number("vegetation", vegetation, 0.0, 1.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Settings of the default terrain.
 
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use serde::{Deserialize, Serialize};
 
 /// Settings of [`NoiseTerrain`](super::NoiseTerrain). Lengths and heights are in metres, shares are 0 to 1.
@@ -63,22 +63,39 @@ impl TerrainSettings {
     ///
     /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
-        let range = RangeError::check;
-        let pair = |field: &str, (least, greatest): (f64, f64), low: f64, high: f64| {
-            range(field, least, low, high).and_then(|()| range(field, greatest, least, high))
-        };
-        range("sea_share", self.sea_share, 0.0, 0.8)?;
-        range("continent_size", self.continent_size, 10_000.0, 1_000_000.0)?;
-        range("inland_height", self.inland_height, 0.0, 400.0)?;
-        range("hill_height", self.hill_height, 0.0, 400.0)?;
-        range("hill_share", self.hill_share, 0.0, 1.0)?;
-        range("mountain_height", self.mountain_height, 0.0, 3000.0)?;
-        range("mountain_share", self.mountain_share, 0.0, 0.8)?;
-        range("river_spacing", self.river_spacing, 4_000.0, 200_000.0)?;
-        pair("river_width", self.river_width, 4.0, (self.river_spacing / 60.0).min(200.0))?;
-        range("lake_spacing", self.lake_spacing, 3_000.0, 200_000.0)?;
-        range("lake_share", self.lake_share, 0.0, 1.0)?;
-        pair("lake_radius", self.lake_radius, 50.0, (self.lake_spacing / 10.0).min(2000.0))?;
-        range("vegetation", self.vegetation, 0.0, 1.0)
+        self.check_ranges()
+    }
+}
+
+impl Ranged for TerrainSettings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self {
+            sea_share,
+            continent_size,
+            inland_height,
+            hill_height,
+            hill_share,
+            mountain_height,
+            mountain_share,
+            river_spacing,
+            river_width,
+            lake_spacing,
+            lake_share,
+            lake_radius,
+            vegetation,
+        } = self;
+        walk.number("sea_share", sea_share, 0.0, 0.8)?;
+        walk.number("continent_size", continent_size, 10_000.0, 1_000_000.0)?;
+        walk.number("inland_height", inland_height, 0.0, 400.0)?;
+        walk.number("hill_height", hill_height, 0.0, 400.0)?;
+        walk.number("hill_share", hill_share, 0.0, 1.0)?;
+        walk.number("mountain_height", mountain_height, 0.0, 3000.0)?;
+        walk.number("mountain_share", mountain_share, 0.0, 0.8)?;
+        walk.number("river_spacing", river_spacing, 4_000.0, 200_000.0)?;
+        walk.pair("river_width", river_width, 4.0, (*river_spacing / 60.0).min(200.0))?;
+        walk.number("lake_spacing", lake_spacing, 3_000.0, 200_000.0)?;
+        walk.number("lake_share", lake_share, 0.0, 1.0)?;
+        walk.pair("lake_radius", lake_radius, 50.0, (*lake_spacing / 10.0).min(2000.0))?;
+        walk.number("vegetation", vegetation, 0.0, 1.0)
     }
 }

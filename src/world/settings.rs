@@ -1,6 +1,6 @@
 //! All settings of a world.
 
-use crate::layer::{FileError, RangeError, from_ron};
+use crate::layer::{FileError, RangeError, Ranged, Walk, from_ron};
 use crate::region::{RoadSettings, SettlementSettings};
 use crate::space::CHUNK_SIZE;
 use crate::terrain::TerrainSettings;
@@ -68,21 +68,27 @@ impl Settings {
 
     /// Checks that every value lies in its allowed range.
     pub fn check(&self) -> Result<(), RangeError> {
-        if self.chunk_size % 64 != 0 || !(64..=4096).contains(&self.chunk_size) {
-            return Err(RangeError {
-                field: "chunk_size".into(),
-                value: self.chunk_size.to_string(),
-                allowed: "a multiple of 64, 64 to 4096".into(),
-            });
-        }
-        self.terrain.check().map_err(|e| e.within("terrain"))?;
-        self.settlements.check().map_err(|e| e.within("settlements"))?;
-        self.roads.check().map_err(|e| e.within("roads"))?;
-        self.roads.check_effort(&self.settlements).map_err(|e| e.within("roads"))?;
-        let c = &self.cache;
-        for (field, mib) in [("region_mib", c.region_mib), ("town_mib", c.town_mib), ("chunk_mib", c.chunk_mib)] {
-            RangeError::check(field, mib, 8.0, 65_536.0).map_err(|e| e.within("cache"))?;
-        }
-        Ok(())
+        self.check_ranges()
+    }
+}
+
+impl Ranged for Settings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { chunk_size, terrain, settlements, roads, cache } = self;
+        walk.steps("chunk_size", chunk_size, 64.0, (64.0, 4096.0))?;
+        walk.within("terrain", terrain)?;
+        walk.within("settlements", settlements)?;
+        walk.within("roads", roads)?;
+        walk.within("cache", cache)?;
+        roads.check_effort(settlements).map_err(|e| e.within("roads"))
+    }
+}
+
+impl Ranged for CacheSettings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { region_mib, town_mib, chunk_mib } = self;
+        walk.number("region_mib", region_mib, 8.0, 65_536.0)?;
+        walk.number("town_mib", town_mib, 8.0, 65_536.0)?;
+        walk.number("chunk_mib", chunk_mib, 8.0, 65_536.0)
     }
 }

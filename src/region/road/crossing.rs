@@ -1,5 +1,6 @@
 //! How roads cross highways.
 
+use crate::layer::Choice;
 use serde::{Deserialize, Serialize};
 
 /// How a road crosses a highway where the ground and the surroundings allow it. Elsewhere it crosses at a junction.
@@ -12,4 +13,8 @@ pub enum Crossing {
     Bridge,
     /// On a bridge, with a ramp that connects both.
     Interchange,
+}
+
+impl Choice for Crossing {
+    const CHOICES: &'static [Self] = &[Self::Junction, Self::Bridge, Self::Interchange];
 }

@@ -1,7 +1,7 @@
 //! Settings of roads.
 
 use super::tier_settings::{TierNumber, TierSettings};
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use crate::network::{SizeClass, StreetClass};
 use serde::Serialize;
 
@@ -28,6 +28,15 @@ impl Default for RoadSettings {
     }
 }
 
+impl Ranged for RoadSettings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self { step, merge, highway: _, major: _, minor: _ } = self;
+        walk.number("step", step, 64.0, 512.0)?;
+        walk.number("merge", merge, 0.0, 400.0)?;
+        self.walk_tiers(walk, |number| (number.low, number.high))
+    }
+}
+
 impl RoadSettings {
     /// Checks that every value lies in its range.
     ///
@@ -35,16 +44,18 @@ impl RoadSettings {
     ///
     /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
-        RangeError::check("step", self.step as f64, 64.0, 512.0)?;
-        RangeError::check("merge", self.merge, 0.0, 400.0)?;
-        self.check_tiers(|number| (number.low, number.high))
+        self.check_ranges()
     }
 
-    /// Checks the numbers of all classes; `range` may widen that of a field.
-    pub(super) fn check_tiers(&self, range: impl Fn(&TierNumber) -> (f64, f64)) -> Result<(), RangeError> {
-        [("highway", &self.highway), ("major", &self.major), ("minor", &self.minor)]
+    /// Walks over the settings of all classes; `range` may widen the range of a number.
+    pub(super) fn walk_tiers(
+        &mut self,
+        walk: &mut Walk<'_>,
+        range: impl Fn(&TierNumber) -> (f64, f64),
+    ) -> Result<(), RangeError> {
+        [("highway", &mut self.highway), ("major", &mut self.major), ("minor", &mut self.minor)]
             .into_iter()
-            .try_for_each(|(name, tier)| tier.check(&range).map_err(|e| e.within(name)))
+            .try_for_each(|(name, tier)| walk.inside(name, |walk| tier.walk(walk, &range)))
     }
 
     /// The [costlier settings](TierSettings::costlier) of all classes.

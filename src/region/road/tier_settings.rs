@@ -2,7 +2,7 @@
 
 use super::crossing::Crossing;
 use super::given::Given;
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Walk};
 use serde::{Deserialize, Serialize};
 
 /// How much steeper a way may be, and how much deeper cut, that is tried where a settlement would get no road.
@@ -12,14 +12,15 @@ const COSTLIER_DEPTH: f64 = 15.0;
 const COSTLIER_BRIDGE: f64 = 1_000.0;
 const COSTLIER_TUNNEL: f64 = 1_600.0;
 
+/// Shows a number of a class to a walk, with a range.
+type WalkNumber = fn(&mut TierSettings, &mut Walk<'_>, (f64, f64)) -> Result<(), RangeError>;
+
 /// A number of [`TierSettings`] with its range.
 pub(super) struct TierNumber {
     pub name: &'static str,
     pub low: f64,
     pub high: f64,
-    pub get: fn(&TierSettings) -> f64,
-    #[cfg(test)]
-    pub set: fn(&mut TierSettings, f64),
+    walk: WalkNumber,
 }
 
 /// Declares the fields once, for the settings, for what a file may say of them, and for their ranges.
@@ -57,14 +58,20 @@ macro_rules! tier_settings {
         }
 
         /// All numbers of [`TierSettings`].
-        pub(super) const NUMBERS: &[TierNumber] = &[$(TierNumber {
+        const NUMBERS: &[TierNumber] = &[$(TierNumber {
             name: stringify!($number),
             low: $low,
             high: $high,
-            get: |t| t.$number as f64,
-            #[cfg(test)]
-            set: |t, value| t.$number = value as $kind,
+            walk: |t, walk, (low, high)| walk.number(stringify!($number), &mut t.$number, low, high),
         }),*];
+
+        impl TierSettings {
+            /// Walks over what is no number.
+            fn walk_words(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+                $(walk.choice(stringify!($word), &mut self.$word)?;)*
+                Ok(())
+            }
+        }
     };
 }
 
@@ -215,12 +222,14 @@ impl TierSettings {
         }
     }
 
-    /// Checks that every number lies in its range; `range` may widen that of a field.
-    pub(super) fn check(&self, range: impl Fn(&TierNumber) -> (f64, f64)) -> Result<(), RangeError> {
-        NUMBERS.iter().try_for_each(|number| {
-            let (low, high) = range(number);
-            RangeError::check(number.name, (number.get)(self), low, high)
-        })
+    /// Walks over all fields; `range` may widen the range of a number.
+    pub(super) fn walk(
+        &mut self,
+        walk: &mut Walk<'_>,
+        range: impl Fn(&TierNumber) -> (f64, f64),
+    ) -> Result<(), RangeError> {
+        NUMBERS.iter().try_for_each(|number| (number.walk)(self, walk, range(number)))?;
+        self.walk_words(walk)
     }
 
     /// Greatest sum of the distances in metres from a point of a road to both of its settlements, which are `length` apart: both

@@ -31,6 +31,15 @@ impl<T> PerSize<T> {
         }
     }
 
+    /// The value for a size class, to be changed.
+    pub(super) fn of_mut(&mut self, size: SizeClass) -> &mut T {
+        match size {
+            SizeClass::City => &mut self.city,
+            SizeClass::Town => &mut self.town,
+            SizeClass::Village => &mut self.village,
+        }
+    }
+
     /// Makes the value for each size class, cities first.
     pub(super) fn from_fn(mut make: impl FnMut(SizeClass) -> T) -> Self {
         Self { city: make(SizeClass::City), town: make(SizeClass::Town), village: make(SizeClass::Village) }

@@ -2,7 +2,7 @@
 
 use super::model::PerSize;
 use crate::edits::SETTLEMENT_RADII;
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use crate::network::SizeClass;
 use crate::space::Stream;
 use serde::{Deserialize, Serialize};
@@ -67,6 +67,48 @@ impl Default for SettlementSettings {
     }
 }
 
+impl Ranged for SettlementSettings {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let Self {
+            spacing,
+            radius,
+            share,
+            styles,
+            steep,
+            jitter,
+            max_slope,
+            max_height,
+            fullness,
+            clearance,
+            gap,
+            widest_river,
+        } = self;
+        for size in SizeClass::ALL {
+            let within = |field: &str| format!("{field}.{}", size.name());
+            let radius = radius.of_mut(size);
+            walk.pair(&within("radius"), radius, SETTLEMENT_RADII.0, SETTLEMENT_RADII.1)?;
+            walk.number(&within("spacing"), spacing.of_mut(size), radius.1 * 1.2, 1_000_000.0)?;
+            walk.number(&within("share"), share.of_mut(size), 0.0, 1.0)?;
+            let styles = styles.of_mut(size);
+            for (i, (_, weight)) in styles.iter_mut().enumerate() {
+                walk.number(&format!("{}[{i}]", within("styles")), weight, 0.0, 1e6)?;
+            }
+            if !styles.iter().any(|s| s.1 > 0.0) {
+                let allowed = "at least one style with a weight above 0".into();
+                return Err(RangeError { field: within("styles"), value: "empty".into(), allowed });
+            }
+        }
+        walk.number("steep[1]", &mut steep.1, 0.0, 1.0)?;
+        walk.number("jitter", jitter, 0.0, 0.9)?;
+        walk.number("max_slope", max_slope, 0.01, 0.5)?;
+        walk.number("max_height", max_height, 0.0, 10_000.0)?;
+        walk.number("fullness", fullness, 0.7, 0.98)?;
+        walk.number("clearance", clearance, 0.5, 4.0)?;
+        walk.number("gap", gap, 0.0, 10_000.0)?;
+        walk.number("widest_river", widest_river, 0.0, 200.0)
+    }
+}
+
 impl SettlementSettings {
     /// Checks that every value lies in its range.
     ///
@@ -74,35 +116,7 @@ impl SettlementSettings {
     ///
     /// Names the first field whose value is out of range or NaN.
     pub fn check(&self) -> Result<(), RangeError> {
-        let range = RangeError::check;
-        for size in SizeClass::ALL {
-            let tier = size.name();
-            let within = |field: &str| format!("{field}.{tier}");
-            let radius = *self.radius.of(size);
-            range(&within("radius"), radius.0, SETTLEMENT_RADII.0, SETTLEMENT_RADII.1)?;
-            range(&within("radius"), radius.1, radius.0, SETTLEMENT_RADII.1)?;
-            range(&within("spacing"), *self.spacing.of(size), radius.1 * 1.2, 1_000_000.0)?;
-            range(&within("share"), *self.share.of(size), 0.0, 1.0)?;
-            let styles = self.styles.of(size);
-            for (_, weight) in styles {
-                range(&within("styles"), *weight, 0.0, 1e6)?;
-            }
-            if !styles.iter().any(|s| s.1 > 0.0) {
-                return Err(RangeError {
-                    field: within("styles"),
-                    value: "empty".into(),
-                    allowed: "at least one style with a weight above 0".into(),
-                });
-            }
-        }
-        range("steep", self.steep.1, 0.0, 1.0)?;
-        range("jitter", self.jitter, 0.0, 0.9)?;
-        range("max_slope", self.max_slope, 0.01, 0.5)?;
-        range("max_height", self.max_height, 0.0, 10_000.0)?;
-        range("fullness", self.fullness, 0.7, 0.98)?;
-        range("clearance", self.clearance, 0.5, 4.0)?;
-        range("gap", self.gap, 0.0, 10_000.0)?;
-        range("widest_river", self.widest_river, 0.0, 200.0)
+        self.check_ranges()
     }
 
     /// Names of all styles that settlements may get.

@@ -191,10 +191,10 @@ fn settings_out_of_range_are_refused() {
     };
     assert_eq!(bad(|s| s.spacing.city = 10.0), "spacing.city");
     assert_eq!(bad(|s| s.spacing.town = f64::NAN), "spacing.town");
-    assert_eq!(bad(|s| s.radius.village = (300.0, 140.0)), "radius.village");
+    assert_eq!(bad(|s| s.radius.village = (300.0, 140.0)), "radius.village[1]");
     assert_eq!(bad(|s| s.share.city = -0.1), "share.city");
     assert_eq!(bad(|s| s.styles.village.clear()), "styles.village");
-    assert_eq!(bad(|s| s.styles.city[0].1 = f64::INFINITY), "styles.city");
+    assert_eq!(bad(|s| s.styles.city[0].1 = f64::INFINITY), "styles.city[0]");
     assert_eq!(bad(|s| s.clearance = 0.0), "clearance");
     assert_eq!(bad(|s| s.jitter = 1.0), "jitter");
     let text = "(spacing: (city: 10, town: 6000, village: 2500))";

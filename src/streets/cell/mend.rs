@@ -28,6 +28,12 @@ impl Mend {
     pub fn straight(cost: f64, from: DVec2, to: DVec2, first: Join, last: Join) -> Self {
         Self { cost, line: [from, to, to], points: 2, first, last }
     }
+
+    /// Cosine of the angle between both parts of the street at its bend; -1 where it has none.
+    fn bend_cosine(&self) -> f64 {
+        let [from, bend, to] = self.line;
+        if self.points < 3 { -1.0 } else { (from - bend).normalize_or_zero().dot((to - bend).normalize_or_zero()) }
+    }
 }
 
 /// Where a street from `from` in `direction` ends if it meets a local street within `reach` metres: the position, how it joins
@@ -71,6 +77,8 @@ pub fn off_by(draft: &Draft<'_>, off: f64) -> f64 {
 /// Builds the cheapest of `mends` that keeps to `limits`, after at most `tries` checks; returns whether one was built.
 pub fn build_best(draft: &mut Draft<'_>, mut mends: Vec<Mend>, limits: &Limits, tries: usize) -> bool {
     mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    // Where a street lands may turn its bend sharper than it was aimed.
+    mends.retain(|m| m.bend_cosine() <= limits.junction_cosine);
     for m in mends.into_iter().take(tries) {
         draft.trial.proposal.line(&m.line[..m.points], m.first, m.last);
         if draft.build_if_fits(limits, Maker::Repair) {

@@ -1,6 +1,6 @@
 //! Settings of roads in a finite domain: defaults, and wider ranges than in an endless world.
 
-use crate::layer::RangeError;
+use crate::layer::{RangeError, Ranged, Walk};
 use crate::region::road::settings::RoadSettings;
 use crate::region::road::tier_settings::TierSettings;
 
@@ -46,9 +46,20 @@ impl RoadSettings {
     /// `corridor` and `bridge_limit` (up to 1,000,000), `earthwork` (1 to infinity), `slope` and `turn` (up to 10,000), and
     /// `merge` (0 to 4 steps).
     pub fn check_finite(&self) -> Result<(), RangeError> {
-        RangeError::check("step", self.step as f64, STEPS.0 as f64, STEPS.1 as f64)?;
-        RangeError::check("merge", self.merge, 0.0, 4.0 * self.step as f64)?;
-        self.check_tiers(|number| match number.name {
+        Finite(self.clone()).check_ranges()
+    }
+}
+
+/// Settings with the ranges of a finite domain.
+#[derive(Clone)]
+struct Finite(RoadSettings);
+
+impl Ranged for Finite {
+    fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
+        let RoadSettings { step, merge, highway: _, major: _, minor: _ } = &mut self.0;
+        walk.number("step", step, STEPS.0 as f64, STEPS.1 as f64)?;
+        walk.number("merge", merge, 0.0, 4.0 * *step as f64)?;
+        self.0.walk_tiers(walk, |number| match number.name {
             "reach" | "gamma" | "earthwork" => (number.low, f64::INFINITY),
             "detour" => (number.low, 1_000.0),
             "corridor" | "bridge_limit" => (number.low, 1e6),

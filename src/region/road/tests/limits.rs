@@ -1,12 +1,12 @@
 //! Settings at the ends of their ranges give roads in seconds, or are refused.
 
 use super::*;
-use crate::layer::RangeError;
-use crate::region::road::tier_settings::NUMBERS;
-use crate::region::{PerSize, SettlementSettings, Settlements};
+use crate::layer::{RangeError, Ranged};
+use crate::region::{SettlementSettings, Settlements};
 use crate::space::Seed;
 use crate::terrain::{Terrain, TerrainSample};
 use crate::testing::Countryside;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Steps of searches, each up to 4,096 nodes, that the roads of one place may take; with the defaults they take 250.
@@ -46,13 +46,17 @@ fn is_found(name: &str, roads: &RoadSettings, settlements: &SettlementSettings) 
 }
 
 /// Both ends of every number of a class of roads.
-fn both_ends(name: &str, of: impl Fn(&mut RoadSettings) -> &mut TierSettings) {
+fn both_ends(class: &str) {
     let mut refused = Vec::new();
-    for number in NUMBERS {
-        for value in [number.low, number.high] {
-            let mut roads = RoadSettings::default();
-            (number.set)(of(&mut roads), value);
-            let name = format!("{name}.{} = {value}", number.name);
+    let usual = RoadSettings::default();
+    let of_class = |path: &str| path.strip_prefix(class).is_some_and(|rest| rest.starts_with('.'));
+    let numbers: Vec<_> = usual.ends().into_iter().filter(|(path, _)| of_class(path)).collect();
+    assert!(numbers.len() > 20, "{numbers:?}");
+    for (path, ends) in numbers {
+        for value in ends {
+            let mut roads = usual.clone();
+            roads.set(&BTreeMap::from([(path.clone(), value)])).expect("it is in range");
+            let name = format!("{path} = {value}");
             if !is_found(&name, &roads, &SettlementSettings::default()) {
                 refused.push(name);
             }
@@ -60,97 +64,52 @@ fn both_ends(name: &str, of: impl Fn(&mut RoadSettings) -> &mut TierSettings) {
     }
     // All but the greatest reach are fine as they are.
     assert!(refused.iter().all(|name| name.contains("reach = 60000")), "{refused:?}");
-    assert!(name != "minor" || refused.len() == 1, "so long roads between villages take minutes");
+    assert!(class != "minor" || refused.len() == 1, "so long roads between villages take minutes");
 }
 
 #[test]
 fn highways_at_both_ends_of_every_range() {
-    both_ends("highway", |s| &mut s.highway);
+    both_ends("highway");
 }
 
 #[test]
 fn majors_at_both_ends_of_every_range() {
-    both_ends("major", |s| &mut s.major);
+    both_ends("major");
 }
 
 #[test]
 fn minors_at_both_ends_of_every_range() {
-    both_ends("minor", |s| &mut s.minor);
+    both_ends("minor");
 }
 
 #[test]
 fn settlements_at_both_ends_of_every_range() {
     let usual = SettlementSettings::default();
-    let of_each = |of: &PerSize<f64>, ends: [f64; 2]| -> Vec<PerSize<f64>> {
-        let with = |value: f64| {
-            let one = |city, town, village| PerSize { city, town, village };
-            [one(value, of.town, of.village), one(of.city, value, of.village), one(of.city, of.town, value)]
-        };
-        ends.into_iter().flat_map(with).collect()
-    };
-    let mut all: Vec<SettlementSettings> = Vec::new();
-    // A new field has to be put here.
-    let SettlementSettings {
-        spacing,
-        radius,
-        share,
-        styles: _,
-        steep: _,
-        jitter: _,
-        max_slope: _,
-        max_height: _,
-        fullness: _,
-        clearance: _,
-        gap: _,
-        widest_river: _,
-    } = &usual;
-    all.extend(of_each(share, [0.0, 1.0]).into_iter().map(|share| SettlementSettings { share, ..usual.clone() }));
-    let nearest = PerSize { city: radius.city.1 * 1.2, town: radius.town.1 * 1.2, village: radius.village.1 * 1.2 };
-    for size in SizeClass::ALL {
-        for value in [*nearest.of(size), 1e6] {
-            let spacing = |of: SizeClass| if of == size { value } else { *spacing.of(of) };
-            let [city, town, village] = SizeClass::ALL.map(spacing);
-            all.push(SettlementSettings { spacing: PerSize { city, town, village }, ..usual.clone() });
-        }
-        for range in [(120.0, 120.0), (120.0, 2_000.0)] {
-            let radius = |of: SizeClass| if of == size { range } else { *radius.of(of) };
-            let [city, town, village] = SizeClass::ALL.map(radius);
-            all.push(SettlementSettings { radius: PerSize { city, town, village }, ..usual.clone() });
+    let (mut found, mut all) = (0, 0);
+    for (path, ends) in usual.ends() {
+        for value in ends {
+            let mut settlements = usual.clone();
+            // Some ends are refused beside the usual values of other numbers.
+            if settlements.set(&BTreeMap::from([(path.clone(), value)])).is_ok() {
+                all += 1;
+                found += usize::from(is_found(&format!("{path} = {value}"), &RoadSettings::default(), &settlements));
+            }
         }
     }
-    let mut with = |ends: [f64; 2], set: &dyn Fn(&mut SettlementSettings) -> &mut f64| {
-        for value in ends {
-            let mut s = usual.clone();
-            *set(&mut s) = value;
-            all.push(s);
-        }
-    };
-    with([0.0, 0.9], &|s| &mut s.jitter);
-    with([0.01, 0.5], &|s| &mut s.max_slope);
-    with([0.0, 10_000.0], &|s| &mut s.max_height);
-    with([0.7, 0.98], &|s| &mut s.fullness);
-    with([0.5, 4.0], &|s| &mut s.clearance);
-    with([0.0, 10_000.0], &|s| &mut s.gap);
-    with([0.0, 200.0], &|s| &mut s.widest_river);
-    let found = all.iter().filter(|s| is_found(&format!("{s:?}"), &RoadSettings::default(), s)).count();
-    assert!(found + 4 >= all.len(), "{found} of {}", all.len());
+    assert!(all > 45 && found + 4 >= all, "{found} of {all}");
 }
 
 #[test]
 fn random_valid_settings_are_found_or_refused() {
     let (mut found, mut random) = (0, Seed(12).stream("settings", &[]));
     for i in 0..24 {
-        let mut roads = RoadSettings::default();
-        for tier in [&mut roads.highway, &mut roads.major, &mut roads.minor] {
-            for number in NUMBERS.iter().filter(|_| random.chance(0.4)).collect::<Vec<_>>() {
-                let value = [number.low, number.high, random.range(number.low, number.high)][random.index(3)];
-                (number.set)(tier, value);
-            }
+        let (mut roads, mut settlements) = (RoadSettings::default(), SettlementSettings::default());
+        roads.draw(0.4, &mut random).expect("no range is empty");
+        if settlements.draw(0.2, &mut random).is_err() {
+            // No style has a weight.
+            continue;
         }
-        let mut settlements = SettlementSettings::default();
-        settlements.spacing.village = random.range(400.0, 5_000.0);
-        settlements.spacing.town = random.range(1_000.0, 20_000.0);
-        found += usize::from(is_found(&format!("{i}: {roads:?}"), &roads, &settlements));
+        found += usize::from(is_found(&format!("{i}: {roads:?} {settlements:?}"), &roads, &settlements));
     }
     assert!(found > 4, "{found}");
 }
