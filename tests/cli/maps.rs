@@ -49,6 +49,60 @@ fn a_real_town_is_drawn_beside_one_of_the_world() {
     assert!(refused(&of_nothing).contains("no street"));
 }
 
+/// What two clipped squares side by side have on the side that they share, west of it and east of it: `(x, y)` in millimetres.
+fn shared_side(name: &str, of: impl Fn(&str, &str) -> Vec<(i64, i64)>) -> [Vec<(i64, i64)>; 2] {
+    let (x, y) = city().split_once(',').expect("x,y");
+    let (x, y): (f64, f64) = (x.parse().expect("metres"), y.parse().expect("metres"));
+    [("west", x - 200.0), ("east", x + 200.0)].map(|(side, x)| {
+        let path = file(&format!("{side}-{name}"), "").to_string_lossy().into_owned();
+        let origin = city();
+        let mut map =
+            vec!["map".to_owned(), "--seed=5".into(), format!("--at={x},{y}"), "--size=400".into(), "--clip".into()];
+        if name.ends_with(".osm") {
+            map.push(format!("--origin={origin}"));
+        }
+        map.extend(["-o".into(), path.clone()]);
+        json(&map.iter().map(String::as_str).collect::<Vec<_>>());
+        let mut found = of(&std::fs::read_to_string(&path).expect("a map"), origin);
+        found.sort_unstable();
+        found.dedup();
+        found
+    })
+}
+
+#[test]
+fn clipped_squares_side_by_side_fit_together() {
+    let millimetres = |x: f64, y: f64| ((x * 1e3).round() as i64, (y * 1e3).round() as i64);
+    let middle = |origin: &str| origin.split_once(',').and_then(|(x, _)| x.parse::<f64>().ok()).expect("metres");
+    let sides = shared_side("half.geojson", |text, origin| {
+        let map: Value = serde_json::from_str(text).expect("GeoJSON");
+        let features = map["features"].as_array().expect("features");
+        let junctions = features.iter().filter(|f| f["properties"]["kind"] == "junction");
+        let at = |f: &Value| {
+            f["geometry"]["coordinates"].as_array().expect("a point").iter().filter_map(Value::as_f64).collect()
+        };
+        let places = junctions.map(at).filter(|p: &Vec<f64>| (p[0] - middle(origin)).abs() < 0.01);
+        places.map(|p| millimetres(p[0], p[1])).collect()
+    });
+    assert!(sides[0].len() > 2, "streets cross the side");
+    assert_eq!(sides[0], sides[1]);
+    let sides = shared_side("half.osm", |text, _| {
+        let value = |node: &str, key: &str| {
+            let rest = node.split_once(key).expect("an attribute").1;
+            rest[1..]
+                .split(rest.chars().next().expect("a quote"))
+                .next()
+                .and_then(|n| n.parse::<f64>().ok())
+                .expect("degrees")
+        };
+        let nodes = text.split("<node ").skip(1);
+        let places = nodes.map(|n| (value(n, "lon=") * 111_319.5, value(n, "lat=") * 111_319.5));
+        places.filter(|(x, _)| x.abs() < 0.01).map(|(_, y)| millimetres(0.0, y)).collect()
+    });
+    assert!(sides[0].len() > 2, "streets cross the side");
+    assert_eq!(sides[0], sides[1]);
+}
+
 #[test]
 fn roads_are_compared_with_real_ones() {
     let [grid, towns] = country("real", TOWNS);

@@ -78,10 +78,8 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     if let Some(file) = &edits {
         file.warn(common, &network.rejected);
     }
-    if !network.unreached.is_empty() {
-        let names: Vec<String> = network.unreached.iter().map(|id| report::name(&network, *id)).collect();
-        eprintln!("sprawl: warning: no road leads to {}", names.join(", "));
-    }
+    let names: Vec<String> = network.unreached.iter().map(|id| report::name(&network, *id)).collect();
+    work::warn_of_unreached(&names);
     let built = start.elapsed();
     let compared = real.as_ref().map(|real| Comparison::new(&network, real));
     let area = export::network(&network, settings.chunk_size);

@@ -27,10 +27,8 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
     let settlements = world.settlements().centred_in(bounds)?;
     let links = world.roads().links(bounds, &Cancel::new())?;
     let unreached = world.roads().unreached(bounds, &Cancel::new())?;
-    if !unreached.is_empty() {
-        let names: Vec<&str> = unreached.iter().map(|s| s.name.as_str()).collect();
-        eprintln!("sprawl: warning: no road leads to {}", names.join(", "));
-    }
+    let names: Vec<&str> = unreached.iter().map(|s| s.name.as_str()).collect();
+    work::warn_of_unreached(&names);
     let mut way_points = world.roads().way_points().to_vec();
     way_points.retain(|p| bounds.contains(p.centre.plan()));
     let hex = |id: u64| format!("{id:016x}");

@@ -50,6 +50,14 @@ pub fn world(common: &Common) -> Result<World, Fail> {
     Ok(world)
 }
 
+/// Names on stderr the settlements that no road leads to.
+pub fn warn_of_unreached(names: &[impl AsRef<str>]) {
+    if !names.is_empty() {
+        let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+        eprintln!("sprawl: warning: no road leads to {}", names.join(", "));
+    }
+}
+
 /// The square of edge `size` around `at`, if the world's chunks reach that far.
 pub fn square(world: &World, at: &At, size: f64) -> Result<Bounds, Fail> {
     let edge = world.settings().chunk_size as f64;

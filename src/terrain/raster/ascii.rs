@@ -4,7 +4,7 @@
 //! breaks between them. But where most lines hold one row, as usual, a line that does not is an error.
 
 use super::band::Band;
-use super::grid::{Raster, check_place, count};
+use super::grid::{Raster, cell_name, check_place, count};
 use super::holes::{Holes, HolesError};
 use crate::layer::{FileError, decode_text, quoted};
 use glam::DVec2;
@@ -117,11 +117,6 @@ impl Header<'_> {
         self.columns * self.rows
     }
 
-    /// Row and column, from 1, of the cell at the index `n` in the file.
-    fn cell(&self, n: usize) -> String {
-        format!("row {}, column {}", n / self.columns + 1, n % self.columns + 1)
-    }
-
     /// Whether a word stands in a cell without a value.
     fn is_missing(&self, word: &Word<'_>, number: Option<f64>, band: Band) -> bool {
         match number {
@@ -158,7 +153,7 @@ impl Raster {
         let raster = Self::new(columns, rows, corner, step, values).map_err(|e| file.error(0, e))?;
         raster.turned_north(band, holes).map_err(|e| match (e, hole) {
             (HolesError::Refused { count, cells, .. }, Some((word, n))) => {
-                let cell = format!("row {}, column {}", n / columns + 1, n % columns + 1);
+                let cell = cell_name(n, columns);
                 let (name, held) = (band.name(), String::from_utf8_lossy(word.text));
                 let reason = format!(
                     "{cell}: this cell and {} more of {cells} cells have no {name} (this one holds {held}); fill them, or \
@@ -307,7 +302,9 @@ fn numbers<'a>(
             surplus = surplus.or(Some(word.at));
             continue;
         }
-        let wrong = |reason: &dyn Display| file.error(word.at, format!("{}: {reason}", header.cell(values.len())));
+        let wrong = |reason: &dyn Display| {
+            file.error(word.at, format!("{}: {reason}", cell_name(values.len(), header.columns)))
+        };
         let number = word.number();
         if header.is_missing(&word, number, band) {
             first_hole = first_hole.or(Some((word, values.len())));

@@ -1,7 +1,7 @@
 //! Reading of GeoTIFF (OGC 19-008r4): one band of numbers, with its place in the file.
 
 use super::band::Band;
-use super::grid::{MOST_CELLS, Raster, count};
+use super::grid::{MOST_CELLS, Raster, cell_name, count};
 use super::holes::Holes;
 use crate::layer::{FileError, quoted};
 use glam::DVec2;
@@ -115,8 +115,7 @@ impl Raster {
                 values.push(f32::NAN);
                 continue;
             }
-            let cell = || format!("row {}, column {}", i / columns + 1, i % columns + 1);
-            band.check(value).map_err(|e| wrong(&format!("{}: {e}", cell())))?;
+            band.check(value).map_err(|e| wrong(&format!("{}: {e}", cell_name(i, columns))))?;
             values.push(value as f32);
         }
         let raster = Self::new(columns, rows, corner, step, values).map_err(|e| wrong(&e))?;

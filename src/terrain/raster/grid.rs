@@ -11,6 +11,11 @@ pub const MOST_CELLS: usize = 64 << 20;
 /// Least width of a cell of a raster in plan metres.
 const LEAST_STEP: f64 = 0.1;
 
+/// Row and column, from 1, of the cell at an index in a file of so many columns.
+pub(super) fn cell_name(index: usize, columns: usize) -> String {
+    format!("row {}, column {}", index / columns + 1, index % columns + 1)
+}
+
 /// Values at the centres of the cells of a grid, and the position of the grid: in plan metres, or in degrees until it is
 /// [projected](Self::projected). Values are stored in 32 bits; at the height of the highest peaks that is half a millimetre.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Reading grey PNG pictures as rasters.
 
 use super::band::Band;
-use super::grid::{MOST_CELLS, Raster, count};
+use super::grid::{MOST_CELLS, Raster, cell_name, count};
 use super::holes::Holes;
 use crate::layer::FileError;
 use glam::DVec2;
@@ -78,7 +78,7 @@ impl Raster {
             let (grey, alpha) = if has_alpha { pixel.split_at(bytes - channel) } else { (pixel, &pixel[..0]) };
             if alpha.iter().any(|b| *b != 0xff) {
                 if alpha.iter().any(|b| *b != 0) {
-                    return Err(wrong(&format!("{} is half transparent", cell(i, columns))));
+                    return Err(wrong(&format!("{} is half transparent", cell_name(i, columns))));
                 }
                 values.push(f32::NAN);
                 continue;
@@ -89,7 +89,7 @@ impl Raster {
                 let colours: Vec<String> = grey.chunks_exact(channel).map(|c| number(c).to_string()).collect();
                 let reason = format!(
                     "{} has the colour {}; allowed is grey: red, green and blue alike",
-                    cell(i, columns),
+                    cell_name(i, columns),
                     colours.join(" ")
                 );
                 return Err(wrong(&reason));
@@ -99,9 +99,4 @@ impl Raster {
         let raster = Self::new(columns, rows, place.corner, place.step, values).map_err(|e| wrong(&e))?;
         raster.turned_north(band, holes).map_err(|e| wrong(&e))
     }
-}
-
-/// The row and column, from 1, of a pixel.
-fn cell(index: usize, columns: usize) -> String {
-    format!("row {}, column {}", index / columns + 1, index % columns + 1)
 }
