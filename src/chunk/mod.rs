@@ -1,5 +1,5 @@
-//! Layer 10: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; the padding is 0
-//! for roads and terrain, and the largest settlement radius for towns.
+//! Layer 10: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; the padding is half
+//! the width of the widest bridge for roads, 0 for terrain, and the largest settlement radius for towns.
 
 mod assemble;
 mod ground;
@@ -11,8 +11,8 @@ use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, Origin};
-use crate::stack::PlacedStreet;
-use crate::surface::Deck;
+use crate::stack::{PlacedStreet, owner_of};
+use crate::surface::{Deck, Pieces};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -33,6 +33,8 @@ pub struct Chunk {
     pub streets: Vec<PlacedStreet>,
     /// Streets of other chunks that end at one of `junctions`, sorted by id: with them every street at a junction is known.
     pub arriving: Vec<Street>,
+    /// Further streets of other chunks that have a [piece](Pieces) in the square, sorted by id.
+    pub passing: Vec<Street>,
     /// Blocks of the chunk's main cells.
     pub blocks: Vec<Block>,
     /// Lots of the chunk's main cells.
@@ -41,7 +43,7 @@ pub struct Chunk {
     pub footprints: Vec<Footprint>,
     /// Settlements whose outline overlaps the square, sorted by id.
     pub settlements: Vec<Arc<Settlement>>,
-    /// Decks of all bridges over the square, whichever chunks own the bridges.
+    /// Decks of all bridges over the square or its rim, whichever chunks own the bridges.
     pub decks: Vec<Deck>,
     /// Number of unmet ports in the chunk's main cells; 0 unless a filler has a defect.
     pub unmet_ports: usize,
@@ -58,6 +60,7 @@ impl Chunk {
             junctions: Vec::new(),
             streets: Vec::new(),
             arriving: Vec::new(),
+            passing: Vec::new(),
             blocks: Vec::new(),
             lots: Vec::new(),
             footprints: Vec::new(),
@@ -65,6 +68,19 @@ impl Chunk {
             decks: Vec::new(),
             unmet_ports: 0,
         }
+    }
+
+    /// All streets that have a piece in the square or end in it, whichever chunks own them; each once.
+    pub fn streets_here(&self) -> impl Iterator<Item = &Street> {
+        self.streets.iter().map(|s| &s.street).chain(&self.arriving).chain(&self.passing)
+    }
+
+    /// The pieces of a street that this chunk draws: their indices among `pieces`. Every piece is drawn by one chunk, the one
+    /// that holds its middle, and reaches at most half the [`LONGEST_PIECE`](crate::surface::LONGEST_PIECE) out of its square.
+    pub fn own_pieces(&self, pieces: &Pieces<'_>) -> impl Iterator<Item = usize> {
+        let (origin, coord, size) = (self.origin, self.coord, self.size);
+        let own = move |middle: DVec2| owner_of(origin, middle, size) == coord;
+        pieces.middles().enumerate().filter(move |(_, middle)| own(*middle)).map(|(piece, _)| piece)
     }
 
     /// Height of the surface that a walker stands on at a local point, in metres: the drawn ground, or the deck of a bridge over

@@ -5,7 +5,7 @@ use crate::mesh::drape::Drape;
 use crate::mesh::ribbon::{KERB_HEIGHT, KERBSTONE, PAVEMENT, carriageway_colour};
 use crate::network::Street;
 use crate::space::left_normal;
-use crate::surface::{Deck, offset_line};
+use crate::surface::{Deck, Pieces, offset_line};
 use glam::DVec2;
 
 const CONCRETE: Rgb = [0.330, 0.325, 0.310];
@@ -33,8 +33,14 @@ const PIER_HALF: f64 = 0.6;
 /// Half the width of a pier as a share of half the width of its deck.
 const PIER_SHARE: f64 = 0.6;
 
-/// Adds a bridge: its deck with parapets, on piers. Adds nothing if the chunk has no deck for it.
-pub(super) fn bridge(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
+/// Adds pieces of a bridge, `own` by their indices: its deck with parapets, on piers. Adds nothing if the chunk has no deck for it.
+pub(super) fn bridge(
+    drape: &mut Drape<'_>,
+    out: &mut MeshBuffers,
+    street: &Street,
+    pieces: &Pieces<'_>,
+    own: &[usize],
+) {
     let Some(Deck { line, heights, half_width: outer, crossings, .. }) = drape.deck(street.id) else { return };
     let (left, right) = (offset_line(line, *outer), offset_line(line, -outer));
     let (inner_left, inner_right) =
@@ -42,7 +48,9 @@ pub(super) fn bridge(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Stre
     let kerb = street.class.carriageway() / 2.0;
     let (kerb_left, kerb_right) = (offset_line(line, kerb), offset_line(line, -kerb));
     let carriageway = carriageway_colour(street.class);
-    for i in 0..line.len() - 1 {
+    // Pieces of a deck meet at the points of its line.
+    let point = |piece: usize| piece * (line.len() - 1) / pieces.count();
+    for i in own.iter().flat_map(|piece| point(*piece)..point(piece + 1)) {
         let at = |side: &[DVec2], k: usize, up: f64| side[i + k].extend(heights[i + k] + up);
         let quad = |out: &mut MeshBuffers, a: (&[DVec2], f64), b: (&[DVec2], f64), colour| {
             out.face(&[at(a.0, 0, a.1), at(a.0, 1, a.1), at(b.0, 1, b.1), at(b.0, 0, b.1)], colour);

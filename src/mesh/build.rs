@@ -6,7 +6,7 @@ use crate::mesh::detail::Detail;
 use crate::mesh::drape::Drape;
 use crate::mesh::part::{ChunkMesh, ChunkPart};
 use crate::mesh::{bridges, buildings, ground, junctions, ribbon};
-use crate::surface::JunctionShape;
+use crate::surface::{JunctionShape, Pieces};
 use crate::terrain::Terrain;
 
 /// Builds the meshes of a chunk. `terrain` is the terrain that the chunk's ground was sampled from.
@@ -32,14 +32,19 @@ pub fn build(chunk: &Chunk, terrain: &dyn Terrain, detail: Detail, cancel: &Canc
         }
     }
     let mut coarse = (!full).then(|| Drape::new(chunk, terrain, ground::COARSE as i32));
-    for street in chunk.streets.iter().map(|s| &s.street).filter(|s| ribbon::is_drawn(s)) {
+    for street in chunk.streets_here().filter(|s| ribbon::is_drawn(s)) {
         let drape = coarse.as_mut().unwrap_or(&mut fine);
+        let pieces = Pieces::new(street);
+        let own: Vec<usize> = chunk.own_pieces(&pieces).collect();
+        if own.is_empty() {
+            continue;
+        }
         if street.bridge {
-            bridges::bridge(drape, roads, street);
+            bridges::bridge(drape, roads, street, &pieces, &own);
         } else if full {
-            ribbon::street(drape, roads, street);
+            ribbon::street(drape, roads, street, &pieces, &own);
         } else {
-            ribbon::far_street(drape, roads, street);
+            ribbon::far_street(drape, roads, street, &pieces, &own);
         }
     }
     cancel.check()?;

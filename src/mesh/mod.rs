@@ -1,5 +1,5 @@
 //! Layer 11: vertex buffers of a chunk. Reads the chunk, the outlines of its streets from `surface`, the terrain under streets
-//! that leave its square, and one ground vertex around the square; padding: the length of the longest street.
+//! that leave its square, and one ground vertex around the square; padding: half a piece of a street and half a street's width.
 //!
 //! Axes are Bevy's: x east, y up, z south, in metres from the chunk's south-west corner.
 

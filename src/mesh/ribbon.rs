@@ -3,9 +3,10 @@
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::drape::Drape;
 use crate::network::{Street, StreetClass};
-use crate::space::{cut_line, left_normal, line_length, point_at};
-use crate::surface::{Corner, ROAD_LIFT, Strip, junction_reach, offset_line};
+use crate::space::{left_normal, line_length, point_at};
+use crate::surface::{Corner, Pieces, ROAD_LIFT, Strip, offset_line};
 use glam::DVec2;
+use std::ops::Range;
 
 /// Height of a pavement above the carriageway, in metres.
 pub(super) const KERB_HEIGHT: f64 = 0.12;
@@ -43,14 +44,22 @@ pub(super) fn carriageway_colour(class: StreetClass) -> Rgb {
     if class.is_road() { ROAD } else { ASPHALT }
 }
 
-/// Adds a street's surface along a piece of its centre line, from outer edge to outer edge; nothing for fewer than two points.
+/// Adds a street's surface along a line, from outer edge to outer edge; nothing for fewer than two points.
 pub(super) fn ribbon(drape: &mut Drape<'_>, out: &mut MeshBuffers, line: &[DVec2], class: StreetClass) {
-    let Some(Strip { carriageway: [left, right], outer }) = Strip::new(line, class) else { return };
-    for i in 0..line.len() - 1 {
+    if let Some(strip) = Strip::new(line, class) {
+        stretch(drape, out, &strip, class, 0..line.len() - 1);
+    }
+}
+
+/// Adds the segments of a street's surface.
+fn stretch(drape: &mut Drape<'_>, out: &mut MeshBuffers, strip: &Strip, class: StreetClass, segments: Range<usize>) {
+    let Strip { carriageway: [left, right], outer } = strip;
+    for i in segments.clone() {
         drape.lay_quad(out, [right[i], right[i + 1], left[i + 1], left[i]], ROAD_LIFT, carriageway_colour(class));
     }
-    edging(drape, out, &left, &outer[0], true);
-    edging(drape, out, &right, &outer[1], false);
+    let points = segments.start..=segments.end;
+    edging(drape, out, &left[points.clone()], &outer[0][points.clone()], true);
+    edging(drape, out, &right[points.clone()], &outer[1][points], false);
 }
 
 /// Adds one side of a street: the pavement between the carriageway's edge `inner` and the `outer` edge, its kerb and its outer
@@ -105,31 +114,53 @@ pub(super) fn is_drawn(street: &Street) -> bool {
     street.length() >= SHORTEST && !street.tunnel
 }
 
-/// Adds a street on the ground, between the parts that belong to its junctions.
-pub(super) fn street(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
-    let (length, end) = (street.length(), junction_reach(street));
-    let line = cut_line(&street.line, end, length - end);
-    ribbon(drape, out, &line, street.class);
+/// Adds pieces of a street on the ground, `own` by their indices.
+pub(super) fn street(
+    drape: &mut Drape<'_>,
+    out: &mut MeshBuffers,
+    street: &Street,
+    pieces: &Pieces<'_>,
+    own: &[usize],
+) {
+    let (line, at) = pieces.line(false);
+    let Some(strip) = Strip::new(&line, street.class) else { return };
+    for &piece in own {
+        stretch(drape, out, &strip, street.class, at[piece]..at[piece + 1]);
+    }
     if street.class == StreetClass::Local {
         return;
     }
     let span = line_length(&line);
     let count = (span / DASH.1).floor();
     let first = (span - (count - 1.0) * DASH.1 - DASH.0) / 2.0;
+    let start = pieces.range(0)[0];
     for k in 0..count as usize {
         let from = first + k as f64 * DASH.1;
+        // A dash belongs to the piece in which it begins.
+        let begins = |piece: &usize| (pieces.range(*piece)[0]..pieces.range(*piece)[1]).contains(&(start + from));
+        if !own.iter().any(begins) {
+            continue;
+        }
         let (a, b) = (point_at(&line, from).0, point_at(&line, from + DASH.0).0);
         let n = left_normal((b - a).normalize_or_zero()) * DASH_HALF;
         drape.lay_quad(out, [a - n, b - n, b + n, a + n], ROAD_LIFT + MARKING_LIFT, MARKING);
     }
 }
 
-/// Adds a street in reduced detail: one flat ribbon from end to end.
-pub(super) fn far_street(drape: &mut Drape<'_>, out: &mut MeshBuffers, street: &Street) {
+/// Adds pieces of a street in reduced detail, `own` by their indices: flat ribbons. The first and the last piece reach to the
+/// ends of the street.
+pub(super) fn far_street(
+    drape: &mut Drape<'_>,
+    out: &mut MeshBuffers,
+    street: &Street,
+    pieces: &Pieces<'_>,
+    own: &[usize],
+) {
     let half = street.class.half_width();
-    let (left, right) = (offset_line(&street.line, half), offset_line(&street.line, -half));
+    let (line, at) = pieces.line(true);
+    let (left, right) = (offset_line(&line, half), offset_line(&line, -half));
     let colour = blend(carriageway_colour(street.class), PAVEMENT, (street.class.pavement() / half) as f32);
-    for i in 0..street.line.len() - 1 {
+    for i in own.iter().flat_map(|piece| at[*piece]..at[piece + 1]) {
         drape.lay_quad(out, [right[i], right[i + 1], left[i + 1], left[i]], FAR_LIFT, colour);
     }
 }

@@ -7,7 +7,7 @@ use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
 use crate::stack::PlacedStreet;
 use crate::style::ParcelRules;
-use crate::surface::Deck;
+use crate::surface::{Deck, LONGEST_PIECE, junction_reach};
 use crate::terrain::{DrawnGround, Terrain, TerrainSample};
 use crate::testing::{Flat, block_cell, divided};
 use glam::{DVec2, Vec3};
@@ -195,35 +195,59 @@ fn an_empty_chunk_has_ground_alone() {
 }
 
 #[test]
-fn bridges_span_and_long_roads_leave_the_square() {
-    let mut chunk = empty(ChunkCoord::new(0, 0), &Hills);
+fn long_roads_and_bridges_are_drawn_once_by_the_chunks_in_which_they_lie() {
     let at = |x: f64, y: f64| DVec2::new(x, y);
-    let ends = [at(-900.0, 40.0), at(200.0, 60.0), at(420.0, 90.0), at(1400.0, 300.0)];
+    let ends = [at(-900.0, 40.0), at(200.0, 60.0), at(620.0, 90.0), at(1400.0, 300.0)];
     let id = |k: u64| JunctionId::of(&[k]);
-    for k in 0..3 {
-        let line = vec![ends[k], ends[k].lerp(ends[k + 1], 0.4) + at(3.0, 9.0), ends[k + 1]];
-        let mut street =
-            Street::new(StreetId::of(&[k as u64]), StreetClass::Major, id(k as u64), id(k as u64 + 1), line);
-        street.bridge = k == 1;
-        if street.bridge {
-            let mut drawn = DrawnGround::new(&Hills);
-            chunk.decks.push(Deck::new(&street, &[], |p| drawn.height(chunk.origin.to_plan(p))));
-        }
-        chunk.streets.push(PlacedStreet { street, made_by: None });
-    }
-    let mut junctions: Vec<Junction> = (1..3).map(|k| Junction { id: id(k as u64), at: ends[k] }).collect();
-    junctions.sort_by_key(|j| j.id);
-    chunk.junctions = junctions;
+    let mut streets: Vec<Street> = (0..3)
+        .map(|k| {
+            let line = vec![ends[k], ends[k].lerp(ends[k + 1], 0.4) + at(3.0, 9.0), ends[k + 1]];
+            let ends = [id(k as u64), id(k as u64 + 1)];
+            let bridge = k == 1;
+            Street { bridge, ..Street::new(StreetId::of(&[k as u64]), StreetClass::Major, ends[0], ends[1], line) }
+        })
+        .collect();
+    streets.sort_by_key(|s| s.id);
+    let chunk = |coord: ChunkCoord| {
+        let mut chunk = empty(coord, &Hills);
+        let here = |street: &Street| street.moved(-chunk.origin.plan());
+        chunk.passing = streets.iter().map(here).collect();
+        let mut drawn = DrawnGround::new(&Hills);
+        let origin = chunk.origin;
+        let bridges = chunk.passing.iter().filter(|s| s.bridge);
+        chunk.decks = bridges.map(|s| Deck::new(s, &[], |p| drawn.height(origin.to_plan(p)))).collect();
+        chunk
+    };
+    let reach = (LONGEST_PIECE / 2.0 + StreetClass::Major.half_width()) as f32 + 10.0;
     for detail in [Detail::Full, Detail::Reduced] {
-        let mesh = meshes(&chunk, detail);
-        let roads = &mesh[ChunkPart::Roads];
-        check(roads, "bridge");
-        let reach = roads.positions.iter().map(|p| p[0]).fold(0.0, f32::max);
-        assert!(reach > 1300.0, "{reach}");
+        let mut area = 0.0;
+        for (x, y) in (-3..4).flat_map(|x| (-1..2).map(move |y| (x, y))) {
+            let chunk = chunk(ChunkCoord::new(x, y));
+            let mesh = meshes(&chunk, detail);
+            let roads = &mesh[ChunkPart::Roads];
+            check(roads, "roads");
+            let near = |p: &[f32; 3]| [p[0], -p[2]].iter().all(|c| (-reach..512.0 + reach).contains(c));
+            assert!(roads.positions.iter().all(near), "{detail:?} {x},{y}");
+            let tops = corners(roads).filter(|t| {
+                let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize();
+                normal.y > 0.5
+            });
+            let plan = |t: [Vec3; 3]| t.map(|p| DVec2::new(f64::from(p.x), f64::from(-p.z)));
+            area += tops.map(|t| signed_area(&plan(t))).sum::<f64>();
+        }
+        let drawn = |s: &Street| {
+            let ends = if s.bridge || detail == Detail::Full { 2.0 * junction_reach(s) } else { 0.0 };
+            let span = s.length() - ends;
+            // Dashes of 3 m by 0.16 m lie on the carriageway, one every 9 m.
+            let dashes = if s.bridge || detail == Detail::Reduced { 0.0 } else { (span / 9.0).floor() * 0.48 };
+            span * 2.0 * s.class.half_width() + dashes
+        };
+        let expected: f64 = streets.iter().map(drawn).sum();
+        assert!((area / expected - 1.0).abs() < 0.003, "{detail:?}: {area} of {expected} square metres");
     }
     let cancel = Cancel::new();
     cancel.cancel();
-    assert!(build(&chunk, &Hills, Detail::Full, &cancel).is_err());
+    assert!(build(&chunk(ChunkCoord::new(0, 0)), &Hills, Detail::Full, &cancel).is_err());
 }
 
 #[test]

@@ -14,12 +14,13 @@ use glam::DVec2;
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform, AnchorMotion)]
 pub struct StreamAnchor {
-    /// Chunks within this distance are loaded, in metres, 0 to 50,000.
+    /// What lies within this distance is loaded, in metres, 0 to 50,000: the chunks there, and chunks beyond whose streets reach
+    /// there.
     pub load_radius: f32,
     /// Chunks beyond this distance are unloaded, in metres, up to 50,000. It should be larger than `load_radius`, so that
     /// walking to and fro over a border does not load and unload the same chunks; a smaller value counts as `load_radius`.
     pub unload_radius: f32,
-    /// Chunks within this distance are shown in full detail, in metres, up to 50,000; other chunks in reduced detail.
+    /// What lies within this distance is shown in full detail, in metres, up to 50,000; chunks beyond in reduced detail.
     pub detail_radius: f32,
     /// Whether the origin follows this anchor: see [`OriginSettings`](super::OriginSettings). Unset it for an anchor that is
     /// far from the others, such as a second view of another town.

@@ -11,6 +11,7 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, closest_on_line};
+use crate::surface::LONGEST_PIECE;
 use crate::world::{NearestStreet, Route, World};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::{Entity, Query, Res, Vec3};
@@ -37,9 +38,6 @@ pub struct Sprawl<'w, 's> {
 
 /// Greatest step up onto a bridge, in metres.
 const STEP: f64 = 0.5;
-
-/// Streets reach at most this far beyond the chunk that owns them, in metres; a longer street is found only near that chunk.
-const LONGEST_REACH: f64 = 1_000.0;
 
 /// A route uses streets within this distance of the box around its ends, in metres.
 const ROUTE_MARGIN: f64 = 500.0;
@@ -144,10 +142,10 @@ impl Sprawl<'_, '_> {
     pub fn nearest_street(&self, p: Vec3, reach: f64) -> Option<NearestStreet> {
         let p = self.to_plan(p);
         let mut nearest: Option<(&Chunk, &Street, DVec2, f64)> = None;
-        // A chunk owns the streets whose middle lies in it, and these streets reach into the chunks around it.
-        for chunk in self.index.loaded_near(p, reach + LONGEST_REACH) {
+        // The piece of a street that is nearest lies in a chunk that knows the street.
+        for chunk in self.index.loaded_near(p, reach + LONGEST_PIECE) {
             let local = chunk.origin.to_local(p);
-            for street in chunk.streets.iter().map(|s| &s.street) {
+            for street in chunk.streets_here() {
                 if !street.bounds().grown(reach).contains(local) {
                     continue;
                 }

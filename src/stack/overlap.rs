@@ -4,7 +4,7 @@ use super::layers::Stack;
 use super::placed::{AtOrigin, PlacedStreet};
 use super::town::SeamedTown;
 use crate::layer::{Cancel, LayerError, Reach};
-use crate::network::Junction;
+use crate::network::{Junction, Street, StreetId};
 use crate::region::Settlement;
 use crate::space::{Bounds, Origin};
 use std::collections::BTreeSet;
@@ -54,14 +54,8 @@ impl Stack {
             }
             let town = self.town(&settlement, cancel)?;
             let origin = town.town.origin;
-            for street in &town.mains.streets {
-                // Both towns at a border give the same bits, so it does not matter which of the two comes first.
-                let shared = town.shared.get(&street.id);
-                if shared.is_none() || borders.insert(street.id) {
-                    let at = shared.copied().unwrap_or(origin);
-                    let street = street.moved(origin.offset_to(at));
-                    put_street(&mut out, at, PlacedStreet { street, made_by: None });
-                }
+            for AtOrigin { origin, item: street } in main_streets(&town, &mut borders) {
+                put_street(&mut out, origin, PlacedStreet { street, made_by: None });
             }
             for (i, cell) in town.town.cells.iter().enumerate() {
                 if !Bounds::of(cell.border.iter().copied()).moved(origin.plan()).overlaps(bounds) {
@@ -80,4 +74,39 @@ impl Stack {
         out.junctions.sort_by_key(|j| j.item.id);
         Ok(out)
     }
+
+    /// Bridges whose centre lines come near `bounds` (plan metres), each once, sorted by id. Only roads and main streets have
+    /// bridges. `reach` says how far the caller may read; reading beyond it is an error.
+    pub fn bridges(&self, bounds: Bounds, reach: &Reach, cancel: &Cancel) -> Result<Vec<AtOrigin<Street>>, LayerError> {
+        let bounds = reach.check(bounds)?;
+        let mut out: Vec<AtOrigin<Street>> = Vec::new();
+        for road in self.roads().overlapping(bounds, cancel)?.iter().filter(|r| r.street.bridge) {
+            out.push(AtOrigin { origin: road.origin, item: road.street.clone() });
+        }
+        let mut borders = BTreeSet::new();
+        for settlement in self.settlements.overlapping(bounds)? {
+            if self.settlements.outline(&settlement)?.bounds().overlaps(bounds) {
+                let town = self.town(&settlement, cancel)?;
+                out.extend(main_streets(&town, &mut borders).filter(|s| s.item.bridge));
+            }
+        }
+        out.retain(|s| s.item.bounds().moved(s.origin.plan()).overlaps(bounds));
+        out.sort_by_key(|s| s.item.id);
+        Ok(out)
+    }
+}
+
+/// The main streets of a town, except streets of borders that are in `borders` already; adds the town's own to them.
+fn main_streets<'a>(
+    town: &'a SeamedTown,
+    borders: &'a mut BTreeSet<StreetId>,
+) -> impl Iterator<Item = AtOrigin<Street>> + 'a {
+    let origin = town.town.origin;
+    town.mains.streets.iter().filter_map(move |street| {
+        // Both towns at a border give the same bits, so it does not matter which of the two comes first.
+        let shared = town.shared.get(&street.id);
+        let new = shared.is_none() || borders.insert(street.id);
+        let at = shared.copied().unwrap_or(origin);
+        new.then(|| AtOrigin { origin: at, item: street.moved(origin.offset_to(at)) })
+    })
 }

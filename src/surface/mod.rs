@@ -1,6 +1,7 @@
 //! Layer 7: the surface of streets. Makes the outlines of carriageway and pavement along a street ([`Strip`]) and around a
-//! junction ([`JunctionShape`]), the polygons that streets cover ([`cover`]), and the heights of bridges ([`Deck`]). Reads
-//! the streets and junctions that it is given, and the ground under a bridge; padding: none.
+//! junction ([`JunctionShape`]), the polygons that streets cover ([`cover`]), the pieces in which long
+//! streets are drawn ([`Pieces`]), and the heights of bridges ([`Deck`]). Reads the streets and junctions that it is given, and
+//! the ground under a bridge; padding: none.
 //!
 //! `mesh` draws the outlines, and `parcel` makes blocks of the land that they leave, so a pavement ends where a block begins. The
 //! outlines follow from three rules:
@@ -20,6 +21,7 @@ mod cover;
 mod deck;
 mod junction;
 mod offset;
+mod piece;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -29,4 +31,5 @@ pub use cover::cover;
 pub use deck::{Deck, ROAD_LIFT};
 pub use junction::{Arm, JunctionShape, junction_reach};
 pub use offset::offset_line;
+pub use piece::{LONGEST_PIECE, Pieces};
 pub use strip::Strip;

@@ -3,6 +3,7 @@
 use crate::mesh::Detail;
 use crate::plugin::anchor::AnchorView;
 use crate::space::{Bounds, ChunkCoord, distance_to_segment, segment_distance};
+use crate::surface::LONGEST_PIECE;
 use glam::DVec2;
 use std::collections::BTreeMap;
 
@@ -23,13 +24,14 @@ pub(super) fn wanted(
 ) -> BTreeMap<ChunkCoord, Want> {
     let mut all: BTreeMap<ChunkCoord, Want> = BTreeMap::new();
     for anchor in anchors {
-        let reach = Bounds::of([anchor.at, anchor.ahead]).grown(anchor.unload);
+        let reach = Bounds::of([anchor.at, anchor.ahead]).grown(anchor.unload + LONGEST_PIECE / 2.0);
         let low = ChunkCoord::containing(reach.min, size).0;
         let high = ChunkCoord::containing(reach.max, size).0;
         for (y, x) in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (y, x))) {
             let coord = ChunkCoord::new(x, y);
             let square = coord.bounds(size);
-            let distance = distance(square, anchor.at, anchor.ahead);
+            // Streets of a chunk reach half a piece out of its square.
+            let distance = distance(square, anchor.at, anchor.ahead) - LONGEST_PIECE / 2.0;
             let current = current_detail(coord);
             if distance > if current.is_some() { anchor.unload } else { anchor.load } {
                 continue;
@@ -91,9 +93,9 @@ mod tests {
     fn detail_does_not_flicker_at_its_radius() {
         let far = ChunkCoord::new(1, 0);
         let detail = |x: f64, held| wanted(&[anchor(x, 256.0)], 512, |_| held)[&far].detail;
-        assert_eq!(detail(100.0, None), Detail::Reduced);
+        assert_eq!(detail(40.0, None), Detail::Reduced);
         assert_eq!(detail(150.0, Some(Detail::Reduced)), Detail::Full);
-        assert_eq!(detail(100.0, Some(Detail::Full)), Detail::Full);
+        assert_eq!(detail(40.0, Some(Detail::Full)), Detail::Full);
         assert_eq!(detail(-100.0, Some(Detail::Full)), Detail::Reduced);
     }
 
