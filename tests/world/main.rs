@@ -9,14 +9,16 @@ use bevy_sprawl::analysis::{Fault, audit, unreached_gates};
 use bevy_sprawl::chunk::Chunk;
 use bevy_sprawl::edits::Edits;
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::network::SizeClass;
+use bevy_sprawl::network::{SizeClass, StreetId};
 use bevy_sprawl::parcel::STOREY_HEIGHT;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed, point_at, stable_hash};
+use bevy_sprawl::surface::Pieces;
 use bevy_sprawl::terrain::{Raster, RasterTerrain, Terrain, TerrainSample};
 use bevy_sprawl::town::MainStreet;
 use bevy_sprawl::world::{Settings, TerrainSource, World, WorldSource};
 use glam::DVec2;
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
 fn world(seed: u64, settings: &Settings) -> World {
     World::new(WorldSource { settings: settings.clone(), ..WorldSource::new(Seed(seed)) }).expect("settings are valid")
@@ -184,6 +186,37 @@ fn neighbouring_chunks_join_and_own_everything_once() {
     let ours = |c: ChunkCoord| (c.0 - middle.0).abs().max_element() <= 1;
     assert_eq!(streets, area.streets.iter().filter(|s| ours(s.chunk)).count());
     assert_eq!(footprints, area.footprints.iter().filter(|f| ours(f.chunk)).count());
+}
+
+#[test]
+fn every_piece_of_a_street_is_drawn_by_the_chunk_in_which_it_lies() {
+    let (w, never) = (world(7, &Settings::default()), Cancel::new());
+    let size = w.settings().chunk_size;
+    // A village, and a country road that is longer than three chunks.
+    let (low, count) = (ChunkCoord::new(-2, -10), 8);
+    let mut drawn: BTreeMap<(StreetId, usize), usize> = BTreeMap::new();
+    for (x, y) in (0..count).flat_map(|y| (0..count).map(move |x| (x, y))) {
+        let chunk = w.chunk(ChunkCoord::new(low.0.x + x, low.0.y + y), &never).unwrap();
+        for street in chunk.streets_here() {
+            for piece in chunk.own_pieces(&Pieces::new(street)) {
+                *drawn.entry((street.id, piece)).or_default() += 1;
+            }
+        }
+    }
+    let square = Bounds::new(low.bounds(size).min, low.bounds(size).min + (size * i64::from(count)) as f64);
+    let area = w.area(square, &never).unwrap();
+    let (mut pieces, mut longest) = (0, 0);
+    for street in area.streets.iter().map(|s| &s.item.street) {
+        let cut = Pieces::new(street);
+        longest = longest.max(cut.count());
+        for (piece, middle) in cut.middles().enumerate() {
+            if square.contains(area.origin.to_plan(middle)) {
+                assert_eq!(drawn.remove(&(street.id, piece)), Some(1), "piece {piece} of {:?}", street.id);
+                pieces += 1;
+            }
+        }
+    }
+    assert!(drawn.is_empty() && pieces > 100 && longest > 12, "{pieces} pieces, {longest} in one street, {drawn:?}");
 }
 
 #[test]
