@@ -1,5 +1,6 @@
 //! The `sprawl` program as its users meet it: what it writes, and how it refuses.
 
+mod flags;
 mod maps;
 mod readers;
 mod support;
@@ -50,18 +51,8 @@ fn a_flag_without_a_use_is_refused() {
     let roads = ["roads", "--terrain", "a.asc", "--settlements", "b.csv", "-o", "c.svg"];
     let map = |name| ["map", "-o", name];
     let cases: &[(&[&str], &[&str])] = &[
-        (&roads, &["--seed", "3"]),
-        (&roads, &["--assets", "missing"]),
         (&roads, &["--cell", "30"]),
         (&["roads", "--terrain", "a.asc", "--settlements", "b.csv", "-o", "c.geojson"], &["--pixels", "300"]),
-        (&["expressive-range"], &["--settings", "missing.ron"]),
-        (&["expressive-range"], &["--assets", "missing"]),
-        (&["expressive-range"], &["--edits", "missing.ron"]),
-        (&["patches", "check", "assets"], &["--seed", "3"]),
-        (&["patches", "check", "assets"], &["--edits", "missing.ron"]),
-        (&["towns"], &["--seed", "3"]),
-        (&["soak", "--seeds", "0..1"], &["--seed", "3"]),
-        (&["soak", "--seeds", "0..1", "--windows"], &["--seed", "3"]),
         (&map("a.geojson"), &["--pixels", "300"]),
         (&map("a.osm"), &["--show", "region"]),
         (&map("a.glb"), &["--colour-by", "origin"]),

@@ -6,6 +6,7 @@ mod digest;
 mod edits;
 mod expressive;
 mod fail;
+mod inputs;
 mod map;
 mod output;
 mod patches;
@@ -89,6 +90,7 @@ fn main() -> ExitCode {
         Command::Settlements(args) => settlements::run(&cli.common, args),
         Command::Digest(args) => digest::run(&cli.common, args),
         Command::Soak(args) if args.windows => windows::run(&cli.common, args),
+        Command::Soak(args) if args.inputs.is_some() => inputs::run(&cli.common, args),
         Command::Soak(args) => soak::run(&cli.common, args),
         Command::Seams(args) => seams::run(&cli.common, args),
         Command::Towns(args) => towns::run(&cli.common, args),

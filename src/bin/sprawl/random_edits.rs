@@ -1,6 +1,6 @@
 //! Random edits, for checks of worlds with edits.
 
-use bevy_sprawl::edits::{Edits, Influence, RoadEdit, SettlementEdit, Shape, WayPoint};
+use bevy_sprawl::edits::{Edits, Influence, PatchEdit, RoadEdit, SettlementEdit, Shape, WayPoint};
 use bevy_sprawl::layer::{Cancel, LayerError};
 use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::StreetClass;
@@ -99,5 +99,26 @@ pub fn edits(plain: &World, around: &Settlement, cancel: &Cancel) -> Result<Edit
     if let (Some(a), Some(b)) = (draw.of(&there), draw.of(&there)) {
         out.roads.push(RoadEdit::Keep { from: a.centre.plan(), to: b.centre.plan() });
     }
+    let names: Vec<&String> = plain.assets().patch_sets.values().flat_map(|s| &s.patches).map(|p| &p.name).collect();
+    for _ in 0..4 {
+        let off = DVec2::new(draw.stream.signed(), draw.stream.signed()) * around.radius;
+        let (heading_deg, mirrored) = (draw.stream.range(-360.0, 360.0), draw.stream.chance(0.5));
+        if let Some(patch) = draw.of(&names) {
+            out.patches.push(PatchEdit { patch: patch.to_string(), at: middle + off, heading_deg, mirrored });
+        }
+    }
     Ok(out)
+}
+
+/// Edits one by one, in the order in which they stand in a file.
+pub fn one_by_one(edits: Edits) -> Vec<Edits> {
+    let Edits { settlements, influences, influence_maps, way_points, roads, patches } = edits;
+    let mut out = Vec::new();
+    out.extend(settlements.into_iter().map(|e| Edits { settlements: vec![e], ..Edits::default() }));
+    out.extend(influences.into_iter().map(|e| Edits { influences: vec![e], ..Edits::default() }));
+    out.extend(influence_maps.into_iter().map(|e| Edits { influence_maps: vec![e], ..Edits::default() }));
+    out.extend(way_points.into_iter().map(|e| Edits { way_points: vec![e], ..Edits::default() }));
+    out.extend(roads.into_iter().map(|e| Edits { roads: vec![e], ..Edits::default() }));
+    out.extend(patches.into_iter().map(|e| Edits { patches: vec![e], ..Edits::default() }));
+    out
 }

@@ -41,7 +41,7 @@ pub struct SeamsArgs {
 pub fn run(common: &Common, args: &SeamsArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
     let towns = towns(&world, args.km2 * 1e6)?;
-    let parts = work::each(common, "counting streets", &towns, |town| counts(&world, town))?;
+    let parts = work::each(common, "counting streets", &towns, |town| Ok(counts(&world, town)?))?;
     let mut all = empty(&world);
     parts.iter().for_each(|part| all.add(part));
     let report = all.report();

@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// A city is looked for in a square of this edge, in metres, around the origin.
 const SEARCH: f64 = 100_000.0;
 /// What is checked around a city beyond its radius, in metres.
-const MARGIN: f64 = 250.0;
+pub const MARGIN: f64 = 250.0;
 /// Edge of the square that is checked around a way point, in metres.
 const AROUND: f64 = 3_000.0;
 
@@ -43,17 +43,28 @@ const CHECKED: u64 = 12;
 #[derive(Args)]
 pub struct SoakArgs {
     /// Seeds of the worlds, the end excluded
-    #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present = "towns")]
+    #[arg(long, value_name = "A..B", value_parser = seed_range, required_unless_present_any = ["towns", "inputs"])]
     pub seeds: Option<Range<u64>>,
     /// Check this many towns of every size and style instead, 12 in each world; seeds count up from `--seed`
     #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "edits_random", "windows"])]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub towns: Option<u32>,
+    /// Check this many worlds of random valid settings, styles, patch sets and edits instead, drawn from `--seed`
+    #[arg(long, value_name = "N", conflicts_with_all = ["seeds", "towns", "edits_random", "windows"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub inputs: Option<u32>,
+    /// Index of the first of these inputs [default: 0]
+    #[arg(long, value_name = "K", requires = "inputs")]
+    pub inputs_from: Option<u64>,
+    /// Seconds that one of these worlds may take [default: 60]
+    #[arg(long, value_name = "SECONDS", requires = "inputs")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=86_400))]
+    pub limit: Option<u32>,
     /// Check each world with random edits of every kind around its city; way points and pinned settlements are checked, too
-    #[arg(long, conflicts_with = "edits")]
+    #[arg(long, requires = "seeds")]
     pub edits_random: bool,
     /// Check instead that the roads of a far window are the same whether or not a larger window was made before
-    #[arg(long, conflicts_with_all = ["edits", "edits_random"])]
+    #[arg(long, requires = "seeds", conflicts_with = "edits_random")]
     pub windows: bool,
 }
 
@@ -61,6 +72,9 @@ pub struct SoakArgs {
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     if args.seeds.is_some() {
         common.refuse("`sprawl soak --seeds`", &[Flag::Seed])?;
+    }
+    if args.edits_random {
+        common.refuse("`sprawl soak --edits-random`", &[Flag::Edits])?;
     }
     let world = work::world(common)?;
     if let Some(towns) = args.towns {
@@ -71,17 +85,12 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let cities = work::each(common, "checking cities", &seeds, |seed| {
         let plain = WorldSource { settings: settings.clone(), assets: assets.clone(), ..WorldSource::new(Seed(*seed)) };
         let with = |edits| World::new(WorldSource { edits, ..plain.clone() });
-        // The settings and assets are those of a world that was made already.
-        let Ok(world) = with(world.edits().clone()) else { return Ok(City::default()) };
+        let world = with(world.edits().clone())?;
         let Some(city) = nearest(&world)? else { return Ok(City::default()) };
         if !args.edits_random {
-            return check(&world, &city);
+            return Ok(check(&world, &city)?);
         }
-        let Ok(edited) = with(random_edits::edits(&world, &city, &Cancel::new())?) else {
-            let findings = vec![("WrongEdits".to_owned(), city.centre.plan())];
-            return Ok(City { findings, ..City::default() });
-        };
-        check_edited(&edited)
+        Ok(check_edited(&with(random_edits::edits(&world, &city, &Cancel::new())?)?)?)
     })?;
     let (mut findings, mut people) = (Vec::new(), String::new());
     for (seed, city) in seeds.iter().zip(&cities) {
@@ -94,7 +103,7 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
     let sum = |of: fn(&City) -> usize| cities.iter().map(of).sum::<usize>();
     let found = cities.iter().filter(|c| c.streets > 0).count();
     let mut report: Value = json!({
-        "seeds": seeds.len(), "cities": found, "streets": sum(|c| c.streets), "buildings": sum(|c| c.buildings),
+        "seeds": seeds.len(), "cities": found, "seeds_without_city": seeds.len() - found, "streets": sum(|c| c.streets), "buildings": sum(|c| c.buildings),
         "findings": findings,
     });
     if args.edits_random {
@@ -109,7 +118,12 @@ pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
         report["way_points_by_roads"] = roads.into();
     }
     let (streets, buildings) = (&report["streets"], &report["buildings"]);
-    let _ = writeln!(people, "{found} cities, {streets} streets, {buildings} buildings: {} findings", findings.len());
+    let without = seeds.len() - found;
+    let _ = writeln!(
+        people,
+        "{found} cities, {without} seeds without one, {streets} streets, {buildings} buildings: {} findings",
+        findings.len()
+    );
     work::print(common, &report, &people)?;
     match findings.len() {
         0 => Ok(()),
@@ -125,11 +139,10 @@ struct Wish {
 
 /// A world with drawn towns pinned side by side around a place that its seed draws, and the towns that could stand there, each with
 /// its wish. What cannot stand in one place is tried in others.
-fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, LayerError> {
+fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Crowd, Fail> {
     let mut stream = Seed(seed).stream("towns to check", &[]);
-    // Settings and assets are those of a world that was made already.
-    let with = |edits| World::new(WorldSource { seed: Seed(seed), edits, ..plain.source().clone() }).ok();
-    let Some(ground) = with(plain.edits().clone()) else { return Ok(None) };
+    let with = |edits| World::new(WorldSource { seed: Seed(seed), edits, ..plain.source().clone() });
+    let ground = with(plain.edits().clone())?;
     let cell = |i: usize| DVec2::new((i % CROWD) as f64, (i / CROWD) as f64) * APART;
     let dry =
         |base: DVec2| (0..CROWD * CROWD).filter(|i| ground.terrain().sample(base + cell(*i)).depth() == 0.0).count();
@@ -146,8 +159,8 @@ fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, 
         .map(|s| Wish { style: stream.index(styles.len()), radius: stream.range(RADII[*s].0, RADII[*s].1).round() })
         .collect();
     let mut places: Vec<Option<DVec2>> = vec![None; wishes.len()];
-    let mut made = None;
-    for _ in 0..8 {
+    let mut tries = 0..8;
+    loop {
         let mut edits = plain.edits().clone();
         for (i, wish) in wishes.iter().enumerate() {
             let jitter = DVec2::new(stream.signed(), stream.signed()) * ((APART - 3600.0) / 2.0);
@@ -155,7 +168,7 @@ fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, 
             let (size, style) = (towns::size_of(wish.radius), Some(styles[wish.style].clone()));
             edits.settlements.push(SettlementEdit::Pin { at, size, name: None, style, radius: Some(wish.radius) });
         }
-        let Some(world) = with(edits) else { return Ok(None) };
+        let world = with(edits)?;
         let mut standing = Vec::new();
         for (i, place) in places.iter_mut().enumerate() {
             let Some(at) = *place else { continue };
@@ -164,13 +177,10 @@ fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Option<Crowd>, 
                 None => *place = None,
             }
         }
-        let all = standing.len() == wishes.len();
-        made = Some((world, standing));
-        if all {
-            break;
+        if standing.len() == wishes.len() || tries.next().is_none() {
+            return Ok(Crowd { world, wishes, towns: standing });
         }
     }
-    Ok(made.map(|(world, towns)| Crowd { world, wishes, towns }))
 }
 
 /// What [`crowd`] makes: towns by the index of their wish.
@@ -187,7 +197,7 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
     let checked = work::each(common, "checking towns", &batches, |i| {
         let seed = common.seed().wrapping_add(*i);
         let wanted = CHECKED.min(u64::from(towns) - i * CHECKED) as usize;
-        let Some(crowd) = crowd(plain, seed, &styles)? else { return Ok(Vec::new()) };
+        let crowd = crowd(plain, seed, &styles)?;
         let mut out = Vec::new();
         for (wish, town) in crowd.towns.iter().take(wanted) {
             let Wish { style, radius } = crowd.wishes[*wish];
@@ -232,10 +242,15 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
             (style.to_string(), json!({ "streets": streets, "exceptions": counted }))
         })
         .collect();
-    let _ = writeln!(people, "{found} towns, {streets} streets, {buildings} buildings: {} findings", findings.len());
+    let missing = towns as usize - found;
+    let _ = writeln!(
+        people,
+        "{found} towns, {missing} without ground to stand on, {streets} streets, {buildings} buildings: {} findings",
+        findings.len()
+    );
     let count = findings.len();
     let report = json!({
-        "towns": found, "kinds": kinds, "streets": streets, "buildings": buildings, "exceptions": exceptions,
+        "towns": found, "towns_without_ground": missing, "kinds": kinds, "streets": streets, "buildings": buildings, "exceptions": exceptions,
         "findings": findings,
     });
     work::print(common, &report, &people)?;
@@ -245,18 +260,19 @@ fn check_towns(common: &Common, plain: &World, towns: u32) -> Result<(), Fail> {
     }
 }
 
+/// What a check found.
 #[derive(Default)]
-struct City {
-    streets: usize,
-    buildings: usize,
+pub struct City {
+    pub streets: usize,
+    pub buildings: usize,
     /// Edits, and how many of them cannot be.
-    edits: usize,
-    rejected: usize,
+    pub edits: usize,
+    pub rejected: usize,
     /// Roads at each way point.
-    way_points: Vec<usize>,
-    findings: Vec<(String, DVec2)>,
+    pub way_points: Vec<usize>,
+    pub findings: Vec<(String, DVec2)>,
     /// Where streets break a rule of their style.
-    exceptions: Exceptions,
+    pub exceptions: Exceptions,
 }
 
 /// The city nearest to the origin.
@@ -311,8 +327,16 @@ fn roads_at(area: &Area, junction: JunctionId) -> usize {
     ends.filter(|id| *id == junction).count()
 }
 
-fn findings(area: &Area) -> Vec<(String, DVec2)> {
+/// The broken promises of an area.
+pub fn findings(area: &Area) -> Vec<(String, DVec2)> {
     audit(area).into_iter().map(|f| (format!("{:?}", f.what), f.at)).collect()
+}
+
+/// The gates of a settlement in an area that no main street reaches.
+pub fn unreached(world: &World, area: &Area, settlement: &Settlement) -> Result<Vec<(String, DVec2)>, LayerError> {
+    let outline = world.settlements().outline(settlement)?;
+    let gates = unreached_gates(area, outline.origin, &outline.polygon);
+    Ok(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))).collect())
 }
 
 /// Checks a city with the settlements that it touches.
@@ -325,9 +349,7 @@ fn check(world: &World, city: &Arc<Settlement>) -> Result<City, LayerError> {
     let area = world.area(bounds, &cancel)?;
     let mut findings = findings(&area);
     for settlement in &checked {
-        let outline = world.settlements().outline(settlement)?;
-        let gates = unreached_gates(&area, outline.origin, &outline.polygon);
-        findings.extend(gates.into_iter().map(|at| ("UnreachedGate".to_owned(), area.origin.to_plan(at))));
+        findings.extend(unreached(world, &area, settlement)?);
     }
     let (streets, buildings) = (area.streets.len(), area.footprints.len());
     Ok(City { streets, buildings, findings, exceptions: exceptions(&area), ..City::default() })

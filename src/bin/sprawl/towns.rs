@@ -91,7 +91,7 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
         let Some((world, town)) = stand(&world, *seed, &styles[*style], radius(&styles[*style]))? else {
             return Ok(None);
         };
-        measured(&world, &town).map(|m| Some(Measured { style: *style, seed: *seed, ..m }))
+        Ok(Some(Measured { style: *style, seed: *seed, ..measured(&world, &town)? }))
     })?;
     let towns: Vec<Measured> = towns.into_iter().flatten().collect();
     let mut presets = Map::new();
@@ -100,6 +100,7 @@ pub fn run(common: &Common, args: &TownsArgs) -> Result<(), Fail> {
         let of_style: Vec<&Measured> = towns.iter().filter(|t| t.style == i).collect();
         let mut report = preset(&of_style, kind(style));
         report["radius_m"] = json!(radius(style));
+        report["seeds_without_ground"] = json!(args.seeds.clone().count() - of_style.len());
         people += &table(style, &report);
         presets.insert(style.clone(), report);
     }
@@ -124,14 +125,13 @@ pub fn size_of(radius: f64) -> SizeClass {
 }
 
 /// A world with a town of a style pinned on even ground, at a place drawn from a seed. `None` if no place is fit.
-fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(World, Arc<Settlement>)>, LayerError> {
+fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(World, Arc<Settlement>)>, Fail> {
     let size = size_of(radius);
-    // Settings and assets make a world, since `plain` was made with them.
     let with = |edits| {
         let (settings, assets) = (plain.settings().clone(), plain.assets().clone());
-        World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(seed)) }).ok()
+        World::new(WorldSource { settings, assets, edits, ..WorldSource::new(Seed(seed)) })
     };
-    let Some(ground) = with(plain.edits().clone()) else { return Ok(None) };
+    let ground = with(plain.edits().clone())?;
     for k in 0..TRIES {
         let mut stream = Seed(seed).stream("towns to measure", &[k]);
         let at = DVec2::new(stream.signed() * FAR, stream.signed() * FAR).round();
@@ -141,10 +141,8 @@ fn stand(plain: &World, seed: u64, style: &str, radius: f64) -> Result<Option<(W
         let mut edits = plain.edits().clone();
         let style = Some(style.to_owned());
         edits.settlements.push(SettlementEdit::Pin { at, size, name: None, style, radius: Some(radius) });
-        let Some(world) = with(edits) else { continue };
-        if world.settlements().rejected_edits().is_empty()
-            && let Some(town) = world.settlements().at(at)?.filter(|t| t.centre.plan() == at)
-        {
+        let world = with(edits)?;
+        if let Some(town) = world.settlements().at(at)?.filter(|t| t.centre.plan() == at) {
             return Ok(Some((world, town)));
         }
     }
@@ -294,7 +292,12 @@ fn table(style: &str, report: &Value) -> String {
     let mut out = String::new();
     let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "{style}: {} towns against real ones of kind {}", report["towns"], text(&report["kind"]));
+    let (towns, without) = (&report["towns"], &report["seeds_without_ground"]);
+    let _ = writeln!(
+        out,
+        "{style}: {towns} towns, {without} seeds without even ground, against real ones of kind {}",
+        text(&report["kind"])
+    );
     let _ =
         writeln!(out, "  {:20} {:>25} {:>25} {:>7} {:>8}", "p10 - p50 - p90", "centre 1 km2", "real", "in", "whole");
     for figure in &FIGURES {
@@ -333,9 +336,10 @@ fn markdown(args: &TownsArgs, report: &Value) -> String {
     for (style, preset) in report["presets"].as_object().into_iter().flatten() {
         let _ = write!(
             out,
-            "\n## {style}\n\n{} towns with a radius of {} m; kind {}.\n\n| figure | centre | real | in | whole | |\n|---|---|---|---|---|---|\n",
+            "\n## {style}\n\n{} towns with a radius of {} m, {} seeds without even ground; kind {}.\n\n| figure | centre | real | in | whole | |\n|---|---|---|---|---|---|\n",
             preset["towns"],
             preset["radius_m"],
+            preset["seeds_without_ground"],
             text(&preset["kind"])
         );
         for figure in &FIGURES {

@@ -48,27 +48,16 @@ struct Compared {
 
 /// Runs the command: one window for each seed. Windows that differ make it fail with exit code 1.
 pub fn run(common: &Common, args: &SoakArgs) -> Result<(), Fail> {
-    common.refuse("`sprawl soak --seeds`", &[Flag::Seed])?;
+    common.refuse("`sprawl soak --windows`", &[Flag::Seed, Flag::Edits])?;
     let world = work::world(common)?;
     let (settings, assets) = (world.settings().clone(), world.assets().clone());
     let seeds: Vec<u64> = args.seeds.clone().into_iter().flatten().collect();
     let windows = work::each(common, "comparing windows", &seeds, |seed| {
-        // Settings and assets make a world, since `world` was made with them.
-        let fresh = || {
-            World::new(WorldSource {
-                settings: settings.clone(),
-                assets: assets.clone(),
-                ..WorldSource::new(Seed(*seed))
-            })
-            .ok()
-        };
-        Ok(match (fresh(), fresh()) {
-            (Some(alone), Some(after)) => Some(compare(*seed, &alone, &after)?),
-            _ => None,
-        })
+        let (settings, assets) = (settings.clone(), assets.clone());
+        let source = WorldSource { settings, assets, ..WorldSource::new(Seed(*seed)) };
+        Ok(compare(*seed, &World::new(source.clone())?, &World::new(source)?)?)
     })?;
-    let compared: Vec<(u64, &Compared)> =
-        seeds.iter().zip(&windows).filter_map(|(s, w)| Some((*s, w.as_ref()?))).collect();
+    let compared: Vec<(u64, &Compared)> = seeds.iter().copied().zip(&windows).collect();
     let different: Vec<_> = compared.iter().filter(|(_, w)| !w.same).collect();
     let (roads, km) = (compared.iter().map(|w| w.1.roads).sum::<usize>(), compared.iter().map(|w| w.1.km).sum::<f64>());
     let report = json!({

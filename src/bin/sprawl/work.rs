@@ -5,7 +5,7 @@ use crate::edits::EditsFile;
 use crate::fail::Fail;
 use crate::text;
 use bevy_sprawl::edits::Edits;
-use bevy_sprawl::layer::{self, Cancel, LayerError};
+use bevy_sprawl::layer::{self, Cancel};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
 use bevy_sprawl::world::{Area, Settings, World, WorldAssets, WorldSource};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -87,7 +87,7 @@ pub fn each<T: Sync, R: Send>(
     common: &Common,
     what: &'static str,
     items: &[T],
-    make: impl Fn(&T) -> Result<R, LayerError> + Sync,
+    make: impl Fn(&T) -> Result<R, Fail> + Sync,
 ) -> Result<Vec<R>, Fail> {
     let bar = ProgressBar::new(items.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len} {eta}") {
@@ -96,7 +96,7 @@ pub fn each<T: Sync, R: Send>(
     bar.set_message(what);
     let made = layer::each(threads(common), items, make, |_| bar.inc(1));
     bar.finish_and_clear();
-    Ok(made?)
+    made
 }
 
 /// As many threads as the flags say.
@@ -122,7 +122,7 @@ pub fn area(common: &Common, world: &World, bounds: Bounds) -> Result<Area, Fail
     let tiles: Vec<Bounds> =
         (0..(tiles.x * tiles.y) as usize).map(|i| Bounds::new(corner(i), corner(i) + step)).collect();
     if tiles.len() > 1 {
-        each(common, "making streets", &tiles, |tile| world.area(*tile, &cancel).map(|_| ()))?;
+        each(common, "making streets", &tiles, |tile| Ok(world.area(*tile, &cancel).map(|_| ())?))?;
     }
     Ok(world.area(bounds, &cancel)?)
 }
