@@ -18,9 +18,8 @@ const SHARED: [(&str, &str); 6] = [
 /// A way to call the program, with those of the shared flags that it does not use.
 type Call = (&'static str, &'static str);
 
-const CALLS: [Call; 16] = [
+const CALLS: [Call; 15] = [
     ("map --size 400 -o OUT.svg", ""),
-    ("map --size 400 --show region -o OUT.geojson", ""),
     ("stats --size 400", ""),
     ("settlements --size 9000", ""),
     ("digest --chunks 0..1,0..1", ""),
@@ -105,10 +104,8 @@ fn report(call: &str, more: &[&str]) -> Value {
 
 #[test]
 fn a_seed_that_is_used_changes_what_is_reported() {
-    for (call, unused) in CALLS {
+    for (call, _) in CALLS.into_iter().filter(|(_, unused)| !unused.contains("--seed")) {
         let plain = report(call, &[]);
-        if !unused.contains("--seed") {
-            assert!((1..6).any(|seed| report(call, &["--seed", &seed.to_string()]) != plain), "{call}");
-        }
+        assert!((1..6).any(|seed| report(call, &["--seed", &seed.to_string()]) != plain), "{call}");
     }
 }
