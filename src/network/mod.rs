@@ -5,14 +5,12 @@
 
 mod crossings;
 mod faces;
-mod growth;
 mod planar;
 mod size_class;
 mod street;
 
 pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
-pub use growth::{GrowthRules, grow};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
 pub use size_class::SizeClass;
 pub use street::{Junction, JunctionId, Network, STREET_FLOOR, Street, StreetClass, StreetId};

@@ -328,22 +328,6 @@ impl<E: Clone> PlanarGraph<E> {
         best
     }
 
-    /// The vertex nearest to `p` within `reach` metres and its distance, among those with an edge, except vertices for which
-    /// `skip` holds.
-    pub fn nearest_vertex(&self, p: DVec2, reach: f64, skip: impl Fn(VertexIx) -> bool) -> Option<(VertexIx, f64)> {
-        let mut best: Option<(VertexIx, f64)> = None;
-        for e in self.edges_near(Bounds::of([p]).grown(reach)) {
-            let edge = self.edge(e);
-            for v in [edge.a, edge.b] {
-                let d = self.at(v).distance(p);
-                if d <= reach && !skip(v) && best.is_none_or(|(w, b)| d < b || (d == b && v < w)) {
-                    best = Some((v, d));
-                }
-            }
-        }
-        best
-    }
-
     /// Smallest angle between `direction` and the edges that leave `v`, in radians; pi without edges.
     pub fn smallest_angle(&self, v: VertexIx, direction: DVec2) -> f64 {
         let from = self.at(v);
@@ -446,7 +430,6 @@ mod tests {
         let m = g.split_edge(e, hit.at);
         assert!(!g.is_live(e) && g.degree(m) == 2 && g.split_edge(g.edges_at(m)[0], g.at(m)) == m);
         assert_eq!(g.clearance(DVec2::new(0., 3.), DVec2::new(20., 4.), 50.0, |_| false), 3.0);
-        assert_eq!(g.nearest_vertex(DVec2::new(14., 1.), 5.0, |_| false).unwrap().0, m);
         let d = g.add_vertex(DVec2::new(15., 9.));
         g.add_edge(m, d, 'z');
         let chains = g.chains(|v| g.degree(v) != 2);

@@ -176,6 +176,8 @@ pub enum Cause {
     Pin,
     /// The drawing of a piece, whose streets keep their shape.
     Drawing,
+    /// The cell, which is too narrow for the rule ([`LocalRules`]).
+    Cell,
     /// Nothing: the filler has a defect.
     Defect,
 }
@@ -187,6 +189,7 @@ impl Cause {
             Self::Port => "port",
             Self::Pin => "pin",
             Self::Drawing => "drawing",
+            Self::Cell => "cell",
             Self::Defect => "defect",
         }
     }

@@ -23,24 +23,31 @@ fn most_streets(min_angle_deg: f64) -> u32 {
 ///
 /// Ports and pinned patches stand where they stand, and a patch keeps the short streets and narrow gaps that are drawn in it.
 /// What breaks a rule for that reason is counted ([`CellStreets::exceptions`](crate::streets::CellStreets::exceptions)).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// A street that is long for its cell meets nothing there. So a cell takes what it has room for, as a share of its width (four
+/// times its area, divided by its perimeter: the side of a square): `length` up to 0.33, with `deviation` and `snap_radius` in
+/// proportion, `block_width` up to 0.3, and a `min_length` of more than 30 and a `clearance` of more than 20 up to 0.12. Where
+/// streets are shorter or nearer than the style says for that reason, this is counted, too.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LocalRules {
-    /// Length of a street segment.
+    /// Length of a street segment: 20 to 500.
     pub length: f64,
-    /// Greatest deviation from that length.
+    /// Greatest deviation from that length, 0 to half of it. Where that leaves no room, a street is shorter.
     pub deviation: f64,
     /// Least length of a street, from junction to junction or dead end: 16 to `length`.
     pub min_length: f64,
-    /// Number of streets that growth aims at in a junction, and the greatest number of streets in one: 2 to 8. So many streets at
-    /// the least angle must fit in a full turn.
+    /// Least and greatest number of streets that growth aims at in a junction, 2 to 8; no junction has more than the greatest, which
+    /// must fit in a full turn at the least angle. Up to four streets go straight on and leave square, more are spread evenly. Repair
+    /// divides blocks that are much larger than those that junctions of so many streets make. With at most 2 there are no
+    /// junctions: streets only lead from port to port, or nowhere.
     pub degree: (u32, u32),
     /// Least angle between two streets at a junction, and between two parts of a street at a bend: 40 to 90. (Kerbs need
     /// the room.)
     pub min_angle_deg: f64,
-    /// Greatest deviation from the straight direction.
+    /// Greatest deviation from the direction in which a street would leave: 0 to 45.
     pub angle_deviation_deg: f64,
-    /// Distance within which an end snaps to a junction or street.
+    /// Distance within which an end snaps to a junction or street: 5 to 200.
     pub snap_radius: f64,
     /// Least distance between streets that do not meet, main streets included: 15 to 200. Where both lead to one place, they
     /// come nearer: to a third of the way from one to the other, if not more.
@@ -48,7 +55,8 @@ pub struct LocalRules {
     /// Distance that growth and patches keep from streets that they do not meet, 0 to 200, if it is greater than `clearance`: the
     /// width of blocks. Repair keeps `clearance` alone.
     pub block_width: f64,
-    /// Share (0 to 1) of the dead ends that stay, of those that could be led on to another street.
+    /// Share (0 to 1) of the dead ends that stay as they grew. Repair leads the others on to another street, and removes the short
+    /// ones that find none.
     pub dead_ends: f64,
     /// Greatest distance from a sharp bend at which the curve begins that takes its place; bends stay sharp at 0.
     pub rounding: f64,

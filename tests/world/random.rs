@@ -100,7 +100,7 @@ fn towns_of_random_styles_keep_what_they_state() {
         let pieces = &world.assets().styles[DRAWN].patches;
         for ((rule, cause), count) in exceptions(&area) {
             let is_due = match cause {
-                Cause::Port | Cause::Drawing => matches!(rule, Rule::Length | Rule::Clearance),
+                Cause::Port | Cause::Drawing | Cause::Cell => matches!(rule, Rule::Length | Rule::Clearance),
                 // What a style counts stands in any case.
                 Cause::Pin => pieces.iter().any(|p| p.at_least > 0),
                 Cause::Defect => false,

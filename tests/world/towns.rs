@@ -5,10 +5,10 @@ use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::network::{JunctionId, SizeClass, Street};
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::math::rotate;
-use bevy_sprawl::space::{Bounds, ChunkCoord, DisjointSets, Seed, distance_to_line, stable_hash};
+use bevy_sprawl::space::{Bounds, ChunkCoord, DisjointSets, Seed, distance_to_line, signed_area, stable_hash};
 use bevy_sprawl::stack::PreparedCell;
 use bevy_sprawl::streets::{MadeBy, StreetOrigin};
-use bevy_sprawl::style::{Filler, FringeRules, PatchCount, Style};
+use bevy_sprawl::style::{Filler, FringeRules, LocalRules, PatchCount, Style};
 use bevy_sprawl::town::CellUse;
 use bevy_sprawl::world::{World, WorldAssets, WorldSource};
 use glam::DVec2;
@@ -176,4 +176,55 @@ fn a_town_of_two_fillers_is_one_network_without_unmet_ports() {
         let parts: BTreeSet<JunctionId> = junctions.iter().map(|j| joined.find(*j)).collect();
         assert_eq!(parts.len(), 1, "{} falls into {} parts", settlement.name, parts.len());
     }
+}
+
+#[test]
+fn growth_makes_of_a_town_what_its_style_asks() {
+    // Street km in a km2 of the cells of a town that only grows, and the connected node ratio.
+    let figures = |degree: (u32, u32), dead_ends: f64, length: f64| {
+        let mut assets = WorldAssets::bundled();
+        let mut style = Style::clone(&assets.styles["organic"]);
+        (style.filler, style.fringe) = (Filler::Parametric, None);
+        // Wide cells with few ports: the streets of ports must be there whatever a style asks.
+        (style.main.length, style.main.min_length, style.seam.spacing) = (420.0, 200.0, 170.0);
+        style.local = LocalRules {
+            length,
+            deviation: 0.2 * length,
+            min_length: 20.0,
+            degree,
+            min_angle_deg: 50.0,
+            angle_deviation_deg: 10.0,
+            snap_radius: 20.0,
+            clearance: 15.0,
+            block_width: 0.0,
+            dead_ends,
+            rounding: 0.0,
+        };
+        assets.styles.insert("organic".into(), Arc::new(style));
+        let w = world(assets, Edits::default());
+        let town = w.town(&towns(&w, "organic")[0], &never()).unwrap();
+        let (mut length, mut area, mut degrees) = (0.0, 0.0, BTreeMap::<JunctionId, usize>::new());
+        let built = town.town.cells.iter().enumerate().filter(|(_, cell)| cell.cell_use == CellUse::Built);
+        for (i, cell) in built.filter(|(i, _)| town.styles[*i].style.filler == Filler::Parametric) {
+            let streets = w.stack().streets(&town, i, &never()).unwrap();
+            assert!(streets.unmet.is_empty());
+            area += signed_area(&cell.border);
+            for street in streets.streets.iter().map(|s| &s.street) {
+                length += street.length();
+                let inner =
+                    [street.from, street.to].into_iter().filter(|j| streets.junctions.iter().any(|k| k.id == *j));
+                inner.for_each(|j| *degrees.entry(j).or_default() += 1);
+            }
+        }
+        let count = |of: fn(usize) -> bool| degrees.values().filter(|d| of(**d)).count() as f64;
+        let (junctions, dead_ends) = (count(|d| d >= 3), count(|d| d == 1));
+        assert!(junctions > 30.0, "{junctions} junctions");
+        (length * 1e3 / area, junctions / (junctions + dead_ends))
+    };
+    let (sparse, dense) = (figures((2, 3), 0.0, 50.0), figures((4, 5), 0.0, 50.0));
+    assert!(dense.0 > 1.5 * sparse.0 && dense.1 > 0.85, "{sparse:?} {dense:?}");
+    let loose = figures((4, 5), 1.0, 50.0);
+    assert!(loose.1 < dense.1 - 0.1, "{loose:?} {dense:?}");
+    let long = figures((4, 5), 0.0, 200.0);
+    assert!(long.0 < 0.7 * dense.0 && long.1 > 0.75, "{long:?} {dense:?}");
 }

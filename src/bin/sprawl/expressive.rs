@@ -8,23 +8,32 @@ use crate::fail::Fail;
 use crate::output::Output;
 use crate::stats::length_inside;
 use crate::work;
-use bevy_sprawl::network::{GrowthRules, PlanarGraph, VertexIx, grow};
-use bevy_sprawl::space::{Bounds, Seed};
+use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::network::{JunctionId, StreetClass};
+use bevy_sprawl::seam::CellPort;
+use bevy_sprawl::space::{Bounds, Seed, left_normal, quantize, segments, stable_hash};
+use bevy_sprawl::streets::{CellBrief, CellFiller, Parametric};
+use bevy_sprawl::style::{FieldKind, LocalRules};
+use bevy_sprawl::town::{CellId, DirectionField};
 use clap::Args;
 use glam::DVec2;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 /// Ranges of degrees, in the order of the paper's rows.
-const DEGREES: [(usize, usize); 8] = [(2, 3), (2, 4), (2, 5), (3, 3), (3, 4), (3, 5), (4, 4), (4, 5)];
+const DEGREES: [(u32, u32); 8] = [(2, 3), (2, 4), (2, 5), (3, 3), (3, 4), (3, 5), (4, 4), (4, 5)];
 /// Least angles in degrees.
 const ANGLES: [u32; 5] = [50, 60, 70, 80, 90];
 /// Edge of the square that is measured, in metres.
 const EDGE: f64 = 1000.0;
-/// Networks grow this far beyond it, in metres, so that their rim is not counted.
-const RIM: f64 = 100.0;
+/// The main cell that is filled reaches this far beyond it, in metres, so that its main streets and ports are not counted.
+const RIM: f64 = 150.0;
+/// Distance between the ports of the main cell, in metres.
+const PORTS: f64 = 100.0;
 /// What the paper's networks lie between: density in km/km2, and connectivity.
 const PAPER: [(f64, f64); 2] = [(15.0, 55.0), (0.6, 1.0)];
 
@@ -39,9 +48,31 @@ struct Network {
     dead_ends: usize,
 }
 
-/// The parameters of a panel.
-fn parameters(panel: usize) -> ((usize, usize), u32) {
-    (DEGREES[panel / ANGLES.len()], ANGLES[panel % ANGLES.len()])
+/// The range of degrees and the least angle of a panel. A range that asks for more streets than have room in a full turn ends
+/// at what has.
+fn parameters(panel: usize) -> ((u32, u32), u32) {
+    let ((low, high), angle) = (DEGREES[panel / ANGLES.len()], ANGLES[panel % ANGLES.len()]);
+    let most = 360 / angle;
+    ((low.min(most), high.min(most)), angle)
+}
+
+/// The rules of a panel: what the paper keeps fixed, the least room that a style may ask for, and no dead end that is led on
+/// by repair.
+fn rules(panel: usize) -> LocalRules {
+    let (degree, angle) = parameters(panel);
+    LocalRules {
+        length: 50.0,
+        deviation: 10.0,
+        min_length: 20.0,
+        degree,
+        min_angle_deg: f64::from(angle),
+        angle_deviation_deg: 10.0,
+        snap_radius: 20.0,
+        clearance: 15.0,
+        block_width: 0.0,
+        dead_ends: 1.0,
+        rounding: 0.0,
+    }
 }
 
 #[derive(Args)]
@@ -66,7 +97,7 @@ pub fn run(common: &Common, args: &ExpressiveArgs) -> Result<(), Fail> {
     let files = [open("expressive-range.csv")?, open("expressive-range.svg")?, open("expressive-range-all.svg")?];
     let panels = DEGREES.len() * ANGLES.len();
     let jobs: Vec<(u64, usize)> = (0..args.networks).flat_map(|i| (0..panels).map(move |p| (i, p))).collect();
-    let networks = work::each(common, "growing networks", &jobs, |(i, panel)| Ok(network(common.seed(), *panel, *i)))?;
+    let networks = work::each(common, "growing networks", &jobs, |(i, panel)| network(common.seed(), *panel, *i))?;
     let all: Vec<Vec<Network>> =
         (0..panels).map(|p| networks.iter().filter(|n| n.panel == p).copied().collect()).collect();
     let points = |of: &[Network]| of.iter().map(|n| (n.density, n.cnr)).collect::<Vec<_>>();
@@ -98,22 +129,51 @@ fn title(panel: usize) -> String {
     format!("degree {low}-{high}, {angle}°")
 }
 
-/// Grows one network with the values that the paper keeps fixed, and measures it.
-fn network(seed: u64, panel: usize, index: u64) -> Network {
-    let (degree, angle) = parameters(panel);
-    let rules = GrowthRules { degree, min_angle: f64::from(angle).to_radians(), ..GrowthRules::default() };
-    let mut stream = Seed(seed).stream("expressive range", &[panel as u64, index]);
+/// Fills a main cell by parametric growth, and measures the square in its middle.
+fn network(seed: u64, panel: usize, index: u64) -> Result<Network, Fail> {
+    let id = CellId(stable_hash(&[panel as u64, index]));
+    let mut stream = Seed(seed).stream("expressive range", &[id.0]);
     let square = Bounds::square(DVec2::ZERO, EDGE);
-    let graph: PlanarGraph<()> = grow(&rules, square.grown(RIM), &mut stream);
-    let length = graph.edges().fold(0.0, |sum, (e, _)| {
-        let (a, b) = graph.segment(e);
-        sum + length_inside(square, a, b)
-    });
-    let inside = || graph.vertices().filter(|v: &VertexIx| square.contains(graph.at(*v)));
-    let count = |of: &dyn Fn(usize) -> bool| inside().filter(|v| of(graph.degree(*v))).count();
-    let (junctions, dead_ends) = (count(&|d| d >= 3), count(&|d| d == 1));
+    let cell = square.grown(RIM);
+    let border = [cell.min, DVec2::new(cell.max.x, cell.min.y), cell.max, DVec2::new(cell.min.x, cell.max.y)];
+    let brief = CellBrief {
+        seed: Seed(seed),
+        id,
+        border: &border,
+        street_half_width: &[Some(StreetClass::Main.half_width()); 4],
+        ports: &ports(&border),
+        field: &DirectionField::uniform(stream.range(-FRAC_PI_4, FRAC_PI_4)),
+        field_kind: FieldKind::Organic,
+        rules: &rules(panel),
+    };
+    let streets = Parametric::default().fill(&brief, &Cancel::new())?;
+    let mut degrees: BTreeMap<JunctionId, usize> = BTreeMap::new();
+    let mut length = 0.0;
+    for street in streets.streets.iter().map(|s| &s.street) {
+        [street.from, street.to].iter().for_each(|j| *degrees.entry(*j).or_default() += 1);
+        length += segments(&street.line).map(|(a, b)| length_inside(square, a, b)).sum::<f64>();
+    }
+    let inside = || streets.junctions.iter().filter(|j| square.contains(j.at)).map(|j| degrees.get(&j.id).copied());
+    let junctions = inside().filter(|degree| *degree >= Some(3)).count();
+    let dead_ends = inside().filter(|degree| *degree == Some(1)).count();
     let cnr = junctions as f64 / (junctions + dead_ends).max(1) as f64;
-    Network { panel, index, density: length / 1e3 / (EDGE * EDGE / 1e6), cnr, junctions, dead_ends }
+    Ok(Network { panel, index, density: length / 1e3 / (EDGE * EDGE / 1e6), cnr, junctions, dead_ends })
+}
+
+/// Ports along all sides of a cell, which is walked counter-clockwise.
+fn ports(border: &[DVec2; 4]) -> Vec<CellPort> {
+    let mut ports = Vec::new();
+    for (i, a) in border.iter().enumerate() {
+        let side = border[(i + 1) % border.len()] - a;
+        let (room, along) = (side.length(), side.normalize_or_zero());
+        let (count, inward) = ((room / PORTS).floor() as usize, left_normal(along));
+        ports.extend((1..count).map(|k| {
+            let at = quantize(a + along * (room * k as f64 / count as f64));
+            let junction = JunctionId::of(&[at.x.to_bits(), at.y.to_bits()]);
+            CellPort { junction, at, inward, class: StreetClass::Local }
+        }));
+    }
+    ports
 }
 
 /// Mean and standard deviation of density, then of connectivity.
@@ -151,6 +211,9 @@ fn share(networks: &[Network]) -> f64 {
 fn trends(means: &[[f64; 4]]) -> Vec<(&'static str, usize, usize)> {
     let columns = ANGLES.len();
     let at = |row: usize, column: usize| means[row * columns + column];
+    // Panels may be alike, where fewer streets fit than are asked for.
+    let differ =
+        |a: (usize, usize), b: (usize, usize)| parameters(a.0 * columns + a.1) != parameters(b.0 * columns + b.1);
     let row_of = |degree| DEGREES.iter().position(|d| *d == degree).unwrap_or(0);
     let count = |of: Vec<bool>| (of.iter().filter(|x| **x).count(), of.len());
     let beside = || (0..DEGREES.len()).flat_map(|r| (1..columns).map(move |c| (r, c)));
@@ -171,7 +234,7 @@ fn trends(means: &[[f64; 4]]) -> Vec<(&'static str, usize, usize)> {
     ];
     let dense = |columns: std::ops::Range<usize>| {
         let pairs = rises.iter().flat_map(|(a, b)| columns.clone().map(|c| (row_of(*a), row_of(*b), c)));
-        count(pairs.map(|(a, b, c)| at(b, c)[0] > at(a, c)[0]).collect())
+        count(pairs.filter(|(a, b, c)| differ((*a, *c), (*b, *c))).map(|(a, b, c)| at(b, c)[0] > at(a, c)[0]).collect())
     };
     let drop = count((0..columns - 1).map(|c| at(row_of((3, 3)), c)[0] < at(row_of((2, 5)), c)[0]).collect());
     let spread = |c: usize| {
@@ -232,6 +295,7 @@ fn people(report: &Value, means: &[[f64; 4]]) -> String {
         PAPER[1].1,
         number(&report["share_in_the_papers_range"]) * 100.0
     );
+    out += "a junction has at most as many streets as fit in a full turn: 5 at 70 degrees, 4 at 80 and 90\n";
     for trend in report["trends"].as_array().into_iter().flatten() {
         let what = trend["what"].as_str().unwrap_or_default();
         let _ = writeln!(out, "{what}: {} of {}", trend["holds"], trend["of"]);

@@ -51,7 +51,7 @@ pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {
 /// - Blocks and buildings count if their centroid is in the square. `building_cover` is the area of buildings over the area
 ///   of blocks, parks included; `building_cover_of_square` is the area of buildings over the area of the square.
 /// - `exceptions` counts where local streets break a rule of their style, by rule and then by cause: a port, a pinned patch, the
-///   drawing of a patch, or none (a defect).
+///   drawing of a patch, a cell that is too narrow for the rule, or none (a defect).
 /// - `crossings_without_junction` concerns all streets that overlap the square.
 fn figures(area: &Area) -> Map<String, Value> {
     let square = area.bounds.moved(-area.origin.plan());

@@ -39,8 +39,7 @@ struct Start {
 
 /// Divides blocks that are much larger than the style asks; returns how many streets were added.
 pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
-    let length = draft.rules.local.length;
-    let most = 2.6 * length * length;
+    let most = draft.rules.large_block;
     let mut added = 0;
     let blocks = blocks(draft);
     // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.

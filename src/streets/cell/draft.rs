@@ -71,7 +71,7 @@ pub struct Draft<'a> {
     /// What is to be filled.
     pub brief: &'a CellBrief<'a>,
     /// What is asked of its streets.
-    pub rules: CellRules<'a>,
+    pub rules: CellRules,
     /// The streets that are built.
     pub canvas: Canvas,
     /// The streets that may be built next.
@@ -85,7 +85,7 @@ pub struct Draft<'a> {
 impl<'a> Draft<'a> {
     /// The empty cell: a vertex at each port, and no street.
     pub fn new(brief: &'a CellBrief<'a>) -> Self {
-        let rules = CellRules::new(brief.rules, brief.field_kind);
+        let rules = CellRules::new(brief);
         Self {
             brief,
             canvas: Canvas::new(brief, f64::from(rules.growth.coarse_gap())),
@@ -118,8 +118,10 @@ impl<'a> Draft<'a> {
 
     /// Makes some of the T junctions that were just built candidates, so that streets go on across the one they met.
     pub fn cross_over(&mut self) {
+        let (least, most) = self.rules.local.degree;
+        let crossings = if least >= 4 { 1.0 } else { self.rules.crossings };
         for i in 0..self.trial.built.len() {
-            if matches!(self.trial.proposal.joins[i], Join::On(_)) && self.rng.chance(self.rules.crossings) {
+            if most >= 4 && matches!(self.trial.proposal.joins[i], Join::On(_)) && self.rng.chance(crossings) {
                 self.canvas.nodes[self.trial.built[i] as usize].wanted_degree = 4;
                 self.candidates.push_back(self.trial.built[i]);
             }

@@ -79,10 +79,11 @@ impl Inspection<'_, '_> {
     }
 
     fn lengths(&mut self) {
-        let least = self.draft.rules.local.min_length - SLACK.1;
+        let (asked, fitted) = (self.draft.brief.rules.min_length, self.draft.rules.local.min_length);
         for i in 0..self.streets.len() {
             let street = &self.streets[i];
-            if line_length(street.line) >= least {
+            let length = line_length(street.line);
+            if length >= asked - SLACK.1 {
                 continue;
             }
             let [a, b] = street.ends;
@@ -93,6 +94,8 @@ impl Inspection<'_, '_> {
                 Cause::Pin
             } else if self.is_port(port) && leads_nowhere {
                 Cause::Port
+            } else if length >= fitted - SLACK.1 {
+                Cause::Cell
             } else if self.piece(i).is_some() {
                 Cause::Drawing
             } else {
@@ -139,7 +142,7 @@ impl Inspection<'_, '_> {
 
     /// Streets that do not meet.
     fn clearances(&mut self) {
-        let least = self.draft.rules.local.clearance - SLACK.1;
+        let least = self.draft.brief.rules.clearance - SLACK.1;
         let bounds: Vec<Bounds> =
             self.streets.iter().map(|s| Bounds::of(s.line.iter().copied()).grown(least)).collect();
         let mut order: Vec<usize> = (0..self.streets.len()).collect();
@@ -178,11 +181,13 @@ impl Inspection<'_, '_> {
                 }
             }
         }
-        let Some((_, x, y)) = worst else { return };
+        let Some((distance, x, y)) = worst else { return };
         let cause = if self.has_pin(i) || self.has_pin(k) {
             Cause::Pin
         } else if self.on_stub(i, x) || self.on_stub(k, y) {
             Cause::Port
+        } else if self.fits_cell(distance) {
+            Cause::Cell
         } else if self.piece(i).is_some() && self.piece(i) == self.piece(k) {
             Cause::Drawing
         } else {
@@ -200,22 +205,31 @@ impl Inspection<'_, '_> {
             if !Bounds::of([c, d]).overlaps(bounds) {
                 continue;
             }
+            let mut worst: Option<(f64, DVec2)> = None;
             for (p, q) in segments(self.streets[i].line) {
                 for (x, y) in nearest_pairs((p, q), (c, d)) {
                     let distance = x.distance(y);
-                    if distance >= least || self.port_near(i, x, y, distance) {
-                        continue;
+                    let is_worse = distance < least && worst.is_none_or(|w| distance < w.0);
+                    if is_worse && !self.port_near(i, x, y, distance) {
+                        worst = Some((distance, x));
                     }
-                    let cause = match () {
-                        () if self.has_pin(i) => Cause::Pin,
-                        () if self.on_stub(i, x) => Cause::Port,
-                        () => Cause::Defect,
-                    };
-                    self.report(Rule::Clearance, cause, x);
-                    return;
                 }
             }
+            let Some((distance, x)) = worst else { continue };
+            let cause = match () {
+                () if self.has_pin(i) => Cause::Pin,
+                () if self.on_stub(i, x) => Cause::Port,
+                () if self.fits_cell(distance) => Cause::Cell,
+                () => Cause::Defect,
+            };
+            self.report(Rule::Clearance, cause, x);
+            return;
         }
+    }
+
+    /// Whether streets may be so near to each other because the cell is too narrow for the clearance that the style asks.
+    fn fits_cell(&self, distance: f64) -> bool {
+        distance >= self.draft.rules.local.clearance - SLACK.1
     }
 
     /// Whether a port makes a point of a street near to a point of a main street, `distance` from it.

@@ -1,7 +1,7 @@
 //! Landing: how a new street ends among existing ones. These are the snap and clip operations of Teng 2017, section 3.
 
 use super::canvas::Canvas;
-use super::obstacle::{NONE, Neighbourhood, Obstacle};
+use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest};
 use super::proposal::Join;
 use super::rules::{LEAST_ARM, Limits};
 use crate::network::VertexIx;
@@ -82,6 +82,24 @@ impl Landing<'_> {
             return Some(join);
         }
         Some(Join::Free(true))
+    }
+
+    /// Where a street that ends in the open at `end` can be led instead: to the nearest street within the snap radius. What
+    /// meets the vertex `leaving` does not count.
+    pub fn snap(&self, end: DVec2, leaving: VertexIx, limits: &Limits) -> Option<(DVec2, Join)> {
+        let streets = self.near.obstacles.iter().filter(|s| !s.is_wall() && !s.ends_at(leaving));
+        let places = streets.map(|s| (s, nearest(end, s.a, s.b))).map(|(s, p)| (s, p, p.distance(end)));
+        let found = places.filter(|x| x.2 <= self.snap_radius).min_by(|x, y| x.2.total_cmp(&y.2));
+        found.map(|(s, p, _)| landing_place(self.canvas, s, p, limits))
+    }
+
+    /// Where a street from `from` that meets another at `end` can be led so that it meets it square, if that is within the snap
+    /// radius.
+    pub fn square(&self, from: DVec2, end: DVec2, limits: &Limits) -> Option<(DVec2, Join)> {
+        let met = self.near.obstacles.iter().filter(|s| !s.is_wall() && nearest(end, s.a, s.b).distance(end) < 0.01);
+        let foot = |s: &Obstacle| nearest(from, s.a, s.b);
+        let found = met.map(|s| (s, foot(s))).find(|(_, p)| p.distance(end) <= self.snap_radius);
+        found.map(|(s, p)| landing_place(self.canvas, s, p, limits))
     }
 
     /// The loose end to which a street from `from` can be led with only a slight bend at either end. It lies about where a

@@ -5,15 +5,19 @@ use super::division::divide_blocks;
 use super::draft::Draft;
 use super::floating::connect_floating;
 use super::mend::{Mend, build_best, landing};
-use super::obstacle::NONE;
+use super::obstacle::{NONE, nearest};
 use super::proposal::Join;
 use super::rules::Limits;
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
-use crate::space::math::rotate;
+use crate::space::math::{angle_of, rotate};
+use glam::DVec2;
 
 /// Number of connections that are checked exactly for one dead end.
 const TRIES: usize = 10;
+
+/// Greatest angle by which a dead end turns to meet another street, in radians.
+const MOST_TURN: f64 = 1.57;
 
 /// Streets at ports that are shorter than this and lead nowhere are made longer, in metres.
 const STUB: f64 = 30.0;
@@ -59,10 +63,10 @@ fn dead_ends(draft: &Draft<'_>) -> Vec<(f64, VertexIx, bool)> {
 /// Connects dead ends, except a share of them that the style lets stay.
 fn connect_dead_ends(draft: &mut Draft<'_>) {
     let stay = draft.rules.local.dead_ends;
-    for (length, v, _) in dead_ends(draft) {
+    for (_, v, _) in dead_ends(draft) {
         if stay > 0.0 && draft.rng.chance(stay) {
-            // One that is long enough is not asked again; a stump goes.
-            draft.canvas.nodes[v as usize].open &= length < draft.rules.stump;
+            // It is not asked again.
+            draft.canvas.nodes[v as usize].open = false;
         } else if draft.canvas.is_dead_end(v) {
             connect(draft, v);
         }
@@ -78,8 +82,8 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
     draft.gather(at, reach + limits.gap + 30.0);
     let mut mends: Vec<Mend> = Vec::new();
     let mut line = Vec::new();
-    for step in -8i32..=8 {
-        let angle = f64::from(step) * 0.17;
+    let fan = (-8i32..=8).map(|step| f64::from(step) * 0.17);
+    for angle in fan.chain(square_ways(draft, v, at, onward, reach)).collect::<Vec<f64>>() {
         let direction = rotate(onward, angle);
         if let Some((end, last, distance)) = landing(draft, at, direction, reach, v, &mut line) {
             let welcome = if matches!(last, Join::At(w) if draft.canvas.is_dead_end(w)) { 0.6 } else { 1.0 };
@@ -93,14 +97,26 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
             break;
         }
         let bend = at + onward * share;
-        for angle in [1.57, -1.57, 1.1, -1.1] {
-            if let Some((end, last, distance)) = landing(draft, bend, rotate(onward, angle), reach, NONE, &mut line) {
+        for angle in [1.57, -1.57, 1.1, -1.1].into_iter().chain(square_ways(draft, v, bend, onward, reach)) {
+            if let Some((end, last, distance)) = landing(draft, bend, rotate(onward, angle), reach, NONE, &mut line)
+                && -onward.dot((end - bend).normalize_or_zero()) <= limits.bend_cosine
+            {
                 let cost = 1.5 * (share + distance);
                 mends.push(Mend { cost, line: [at, bend, end], points: 3, first: Join::At(v), last });
             }
         }
     }
     build_best(draft, mends, &limits, TRIES)
+}
+
+/// Angles in radians from `onward` at which streets from `from` meet others within `reach` metres square, for a style may allow
+/// no other angle. What ends at `v` is left out.
+fn square_ways(draft: &Draft<'_>, v: VertexIx, from: DVec2, onward: DVec2, reach: f64) -> Vec<f64> {
+    let near = draft.trial.near.obstacles.iter().filter(|s| !s.is_wall() && !s.ends_at(v));
+    let feet = near.map(|s| nearest(from, s.a, s.b) - from).filter(|way| way.length() < reach);
+    feet.map(|way| angle_of(DVec2::new(onward.dot(way), onward.perp_dot(way))))
+        .filter(|angle| angle.abs() < MOST_TURN)
+        .collect()
 }
 
 /// Removes dead-end streets that are too short, except at ports and in pinned pieces.

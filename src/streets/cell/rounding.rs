@@ -28,7 +28,7 @@ struct Curve {
 
 /// The line through `vertices` with its corners rounded as far as the style says, in metres from the corner, other streets
 /// leave room and the street stays as long as it must be.
-pub fn rounded(canvas: &Canvas, rules: &CellRules<'_>, vertices: &[VertexIx], line: Vec<DVec2>) -> Vec<DVec2> {
+pub fn rounded(canvas: &Canvas, rules: &CellRules, vertices: &[VertexIx], line: Vec<DVec2>) -> Vec<DVec2> {
     let most = rules.local.rounding;
     if most < LEAST_REACH {
         return line;

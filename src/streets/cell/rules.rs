@@ -4,7 +4,10 @@
 use crate::network::STREET_FLOOR;
 use crate::patch::DrawingRules;
 use crate::space::math;
+use crate::space::signed_area;
+use crate::streets::filler::CellBrief;
 use crate::style::{FieldKind, LocalRules};
+use glam::DVec2;
 
 /// Least length that is left of a street when it is cut back from the border, in metres.
 pub const LEAST_ARM: f64 = 22.0;
@@ -24,6 +27,18 @@ const REPAIR_WALL_GAP: f64 = 30.0;
 
 /// Angle in radians by which two streets may fall short of the least angle: what positions lose when they are rounded.
 const ANGLE_SLACK: f64 = 0.001;
+
+/// Greatest length of a street, as a share of the cell's width.
+const LONGEST: f64 = 0.33;
+
+/// Greatest least length of a street, as a share of the cell's width, and in metres the value that is kept in any cell.
+const LONGEST_LEAST: (f64, f64) = (0.12, 30.0);
+
+/// Greatest clearance, as a share of the cell's width, and in metres the clearance that is kept in any cell.
+const WIDEST_CLEARANCE: (f64, f64) = (0.12, 20.0);
+
+/// Greatest width of a block, as a share of the cell's width.
+const WIDEST_BLOCK: f64 = 0.3;
 
 /// Least angle in radians at which streets meet that stand by the user's wish, and at which they bend.
 const CLOSEST: [f64; 2] = [0.7, 1.3];
@@ -65,11 +80,53 @@ impl Limits {
     }
 }
 
+/// Width of a cell in metres: that of a square is its side, that of a long strip twice its width.
+fn width(border: &[DVec2]) -> f64 {
+    let around: f64 = (0..border.len()).map(|i| border[i].distance(border[(i + 1) % border.len()])).sum();
+    4.0 * signed_area(border) / around.max(1e-9)
+}
+
+/// A style's rules as a cell of this width has room for them: streets that are long for the cell, or far apart, meet nothing.
+fn fitted(local: &LocalRules, width: f64) -> LocalRules {
+    let share = (LONGEST * width / local.length).min(1.0);
+    let at_most = |asked: f64, most: f64, any: f64| asked.min((most * width).max(any));
+    LocalRules {
+        length: share * local.length,
+        deviation: share * local.deviation,
+        min_length: at_most(local.min_length, LONGEST_LEAST.0, LONGEST_LEAST.1).min(share * local.length),
+        snap_radius: share * local.snap_radius,
+        clearance: at_most(local.clearance, WIDEST_CLEARANCE.0, WIDEST_CLEARANCE.1),
+        block_width: local.block_width.min(WIDEST_BLOCK * width),
+        ..*local
+    }
+}
+
+/// How large the blocks are that streets of one length enclose, against those at junctions of three or four streets.
+///
+/// In a network whose junctions have `d` streets on average there are `d / 2 - 1` blocks to a junction (Euler), and a block has
+/// `d / (d / 2 - 1)` sides.
+struct BlockShape {
+    /// Ratio of the areas.
+    area: f64,
+    /// Ratio of the perimeters, at most 1.
+    around: f64,
+}
+
+impl BlockShape {
+    fn new(local: &LocalRules) -> Self {
+        let of = |(low, high): (u32, u32)| f64::from(low + high) / 2.0;
+        let blocks = |degree: f64| degree / 2.0 - 1.0;
+        let (usual, asked) = (of((3, 4)), of(local.degree));
+        let area = blocks(usual) / blocks(asked);
+        Self { area, around: (area * asked / usual).min(1.0) }
+    }
+}
+
 /// What is asked of the streets of one cell. Lengths in metres, angles in radians.
 #[derive(Clone, Copy, Debug)]
-pub struct CellRules<'a> {
-    /// The style's rules for local streets.
-    pub local: &'a LocalRules,
+pub struct CellRules {
+    /// The style's rules for local streets, fitted to the cell.
+    pub local: LocalRules,
     /// Least angle between two streets from which a third may leave between them, halved.
     pub min_angle: f64,
     /// What growth and patches keep to: blocks have some width.
@@ -93,14 +150,18 @@ pub struct CellRules<'a> {
     pub stump: f64,
     /// Greatest distance of a street that is straightened from straight; 0 where streets may wind.
     pub dogleg: f64,
+    /// Area in square metres from which repair divides a block.
+    pub large_block: f64,
 }
 
-impl<'a> CellRules<'a> {
-    /// The rules of a cell whose streets follow a field of this kind.
-    pub fn new(local: &'a LocalRules, field: FieldKind) -> Self {
+impl CellRules {
+    /// The rules of a cell.
+    pub fn new(brief: &CellBrief<'_>) -> Self {
+        let local = fitted(brief.rules, width(brief.border));
         let min_angle = local.min_angle_deg.to_radians();
         let (clearance, width) = (local.clearance, local.block_width.max(local.clearance));
         let least = min_angle - ANGLE_SLACK;
+        let blocks = BlockShape::new(&local);
         let repair = Limits {
             gap: clearance,
             clearance,
@@ -110,14 +171,14 @@ impl<'a> CellRules<'a> {
             bend_cosine: math::cos(least.max(1.45)),
             min_piece: local.min_length,
             max_degree: local.degree.1 as usize,
-            min_round: 2.6 * local.length,
+            min_round: 2.6 * blocks.around * local.length,
         };
         let growth = Limits {
             gap: width,
             tip_gap: clearance.max(TIP_GAP),
             wall_gap: width,
             bend_cosine: math::cos(1.75),
-            min_round: 3.0 * local.length,
+            min_round: 3.0 * blocks.around * local.length,
             ..repair
         };
         let closest = Limits {
@@ -132,7 +193,7 @@ impl<'a> CellRules<'a> {
             ..repair
         };
         let drawings = DrawingRules { cosine: repair.junction_cosine, most_streets: repair.max_degree };
-        let (straightness, crossings, field_pull, stump, dogleg) = match field {
+        let (straightness, crossings, field_pull, stump, dogleg) = match brief.field_kind {
             FieldKind::Grid => (0.98, 0.75, 1.0, 1.1, 16.0),
             FieldKind::Radial => (0.88, 0.4, 0.9, 0.9, 16.0),
             FieldKind::Contours => (0.82, 0.25, 0.75, 0.5, 0.0),
@@ -140,7 +201,7 @@ impl<'a> CellRules<'a> {
         };
         Self {
             local,
-            min_angle,
+            min_angle: least,
             growth,
             repair,
             closest,
@@ -151,6 +212,7 @@ impl<'a> CellRules<'a> {
             field_pull,
             stump: (stump * local.length).max(local.min_length),
             dogleg,
+            large_block: 2.6 * blocks.area * local.length * local.length,
         }
     }
 }
