@@ -52,7 +52,7 @@ enum Outcome {
     Checked(City),
 }
 
-/// A fault and what it needs.
+/// A fault, and what the first of a world needs.
 struct Fault {
     what: String,
     at: DVec2,
@@ -115,9 +115,9 @@ fn report(common: &Common, indices: &[u64], checked: &[Checked]) -> Result<(), F
         }
         for Fault { what, at, needs } in &world.faults {
             // Writing to a string cannot fail.
-            let _ = writeln!(people, "inputs {index}: {what} at {},{}; it needs:", at.x, at.y);
+            let _ = writeln!(people, "inputs {index}: {what} at {},{}", at.x, at.y);
             needs.iter().for_each(|need| {
-                let _ = writeln!(people, "    {need}");
+                let _ = writeln!(people, "    needs {need}");
             });
             let _ =
                 writeln!(people, "    again: sprawl soak --seed {} --inputs-from {index} --inputs 1", common.seed());
@@ -234,11 +234,14 @@ fn check(usual: &Inputs, mut stream: Stream, watch: &Watch) -> Checked {
     if let Outcome::Checked(city) = &outcome {
         for (what, at) in &city.findings {
             if !faults.iter().any(|f| f.what == *what) {
-                // What a fault needs takes a while to find.
                 eprintln!("sprawl: {}: {what} at {},{}", watch.name, at.x, at.y);
-                faults.push(Fault { what: what.clone(), at: *at, needs: needs(usual, &case, what, watch) });
+                faults.push(Fault { what: what.clone(), at: *at, needs: Vec::new() });
             }
         }
+    }
+    // The others of a world mostly follow from the first, and what one needs takes a while to find.
+    if let Some(first) = faults.first_mut() {
+        first.needs = needs(usual, &case, &first.what, watch);
     }
     Checked { outcome, faults }
 }
