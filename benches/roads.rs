@@ -177,6 +177,20 @@ fn islands(cells: usize, edge: f64, count: usize) -> RasterTerrain {
     RasterTerrain::new(raster).and_then(|t| t.with_sea_level(0.0)).expect("heights are in range")
 }
 
+/// The problem of table 2 with few and with many roads: time must grow no faster than the number of roads allows.
+fn dense(_: &mut Criterion) {
+    let (cells, counts) = (256, [4, 16, 70]);
+    let ground = Arc::new(ground(cells, EDGE));
+    let all = settlements(counts, &ground);
+    println!("\ndense networks: {counts:?} settlements on {cells} x {cells} cells");
+    let times = [2.0, 1.2].map(|gamma| {
+        let (seconds, network) = best(|| build(&ground, &all, cells, Some(gamma)));
+        println!("gamma {gamma:<8} {:>7} roads {seconds:>10.3} s", network.links.len());
+        seconds
+    });
+    println!("gamma 1.2 takes {:.1} times as long as gamma 2", times[1] / times[0]);
+}
+
 /// The same number of settlements on one landmass and on nine islands: pairs that no land joins must not take longer.
 fn landmasses(_: &mut Criterion) {
     let (cells, counts) = (256, [5, 45, 97]);
@@ -195,6 +209,6 @@ fn landmasses(_: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(5));
-    targets = densities, roads, landmasses
+    targets = densities, dense, roads, landmasses
 }
 criterion_main!(benches);

@@ -20,7 +20,7 @@ NEAR_MISS = 5.0
 RIM = 1.0
 CELL = 40.0
 # Full width of the carriageway in metres.
-CARRIAGEWAY = {"highway": 15.0, "major": 9.5, "minor": 6.5, "arterial": 12.0, "main": 9.0, "local": 6.0}
+CARRIAGEWAY = {"highway": 15.0, "major": 9.5, "minor": 6.5, "ramp": 5.0, "arterial": 12.0, "main": 9.0, "local": 6.0}
 
 
 class Street:

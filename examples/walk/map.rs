@@ -89,7 +89,7 @@ pub fn draw(world: &World, tour: &Tour, seed: u64) -> Result<String, Box<dyn Err
 
 fn fill(class: StreetClass) -> &'static str {
     match class {
-        StreetClass::Highway => "#f2b552",
+        StreetClass::Highway | StreetClass::Ramp => "#f2b552",
         StreetClass::Major | StreetClass::Arterial => "#f8d98c",
         StreetClass::Minor | StreetClass::Main => "#fdf3c4",
         StreetClass::Local => "#ffffff",

@@ -34,7 +34,7 @@ pub(super) fn points(field: &str, line: &[DVec2], (least, most): (usize, usize))
 
 /// Fails if a class is not one of roads.
 pub(super) fn road_classes(classes: &[StreetClass]) -> Result<(), String> {
-    match classes.iter().find(|c| !c.is_road()) {
+    match classes.iter().find(|c| !c.is_link()) {
         Some(class) => Err(format!("classes holds {class:?}; allowed are Highway, Major, Minor")),
         None => Ok(()),
     }

@@ -389,7 +389,7 @@ impl WayPoint {
     fn check(&self) -> Result<(), String> {
         place("at", self.at)?;
         let class = self.class;
-        if class.is_road() { Ok(()) } else { Err(format!("class is {class:?}; allowed are Highway, Major, Minor")) }
+        if class.is_link() { Ok(()) } else { Err(format!("class is {class:?}; allowed are Highway, Major, Minor")) }
     }
 }
 

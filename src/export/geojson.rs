@@ -98,7 +98,8 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         if street.level != 0 {
             fields.insert("level".into(), json!(street.level));
         }
-        for (name, set) in [("bridge", street.bridge), ("tunnel", street.tunnel)] {
+        let one_way = street.class.is_one_way();
+        for (name, set) in [("bridge", street.bridge), ("tunnel", street.tunnel), ("oneway", one_way)] {
             if set {
                 fields.insert(name.into(), json!(true));
             }

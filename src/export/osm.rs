@@ -64,6 +64,9 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
         }
         nodes.push(to);
         let mut tags: Tags = vec![("highway", highway(street.class).into())];
+        if street.class.is_one_way() {
+            tags.push(("oneway", "yes".into()));
+        }
         if street.bridge {
             tags.push(("bridge", "yes".into()));
         }
@@ -106,6 +109,8 @@ fn highway(class: StreetClass) -> &'static str {
     match class {
         // A highway is one two-way carriageway here, which `motorway` and `trunk` would not be.
         StreetClass::Highway => "primary",
+        // A link road counts as the better of the roads that it joins.
+        StreetClass::Ramp => "primary_link",
         StreetClass::Major | StreetClass::Arterial => "secondary",
         StreetClass::Minor | StreetClass::Main => "tertiary",
         StreetClass::Local => "residential",
@@ -278,6 +283,16 @@ mod tests {
         assert_eq!(file.matches("<node ").count(), town.area.junctions.len() + inner);
         assert!(file.contains("k=\"bridge\" v=\"yes\"") && file.contains("k=\"layer\" v=\"1\""));
         assert!(!file.contains("building"));
+    }
+
+    #[test]
+    fn a_ramp_is_a_one_way_link() {
+        let mut town = testing::area(DVec2::ZERO);
+        assert!(!of(&town.plan(), Options::default()).contains("oneway"));
+        town.area.streets[0].item.street.class = StreetClass::Ramp;
+        let file = of(&town.plan(), Options::default());
+        assert_eq!(file.matches("k=\"highway\" v=\"primary_link\"").count(), 1);
+        assert_eq!(file.matches("k=\"oneway\" v=\"yes\"").count(), 1);
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl StreetTags {
         match without_link(&self.highway) {
             "motorway" | "trunk" => StreetClass::Highway,
             "primary" | "secondary" => StreetClass::Major,
-            _ if self.class.is_road() => self.class,
+            _ if self.class.is_link() => self.class,
             _ => StreetClass::Minor,
         }
     }

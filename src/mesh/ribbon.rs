@@ -127,7 +127,7 @@ pub(super) fn street(
     for &piece in own {
         stretch(drape, out, &strip, street.class, at[piece]..at[piece + 1]);
     }
-    if street.class == StreetClass::Local {
+    if street.class == StreetClass::Local || street.class.is_one_way() {
         return;
     }
     let span = line_length(&line);

@@ -29,7 +29,7 @@ impl StreetId {
     }
 }
 
-/// Class of a street: three classes of roads between settlements, two of main streets, and local streets.
+/// Class of a street: three classes of roads between settlements and their ramps, two of main streets, and local streets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub enum StreetClass {
@@ -39,6 +39,8 @@ pub enum StreetClass {
     Major,
     /// Road to a village (tau = 0).
     Minor,
+    /// One-way ramp between two roads at an interchange. Traffic goes from the street's junction `from` to its junction `to`.
+    Ramp,
     /// Main street that runs through a town.
     Arterial,
     /// Any other main street.
@@ -49,7 +51,8 @@ pub enum StreetClass {
 
 impl StreetClass {
     /// All classes: roads, main streets, local streets; the more important first.
-    pub const ALL: [Self; 6] = [Self::Highway, Self::Major, Self::Minor, Self::Arterial, Self::Main, Self::Local];
+    pub const ALL: [Self; 7] =
+        [Self::Highway, Self::Major, Self::Minor, Self::Ramp, Self::Arterial, Self::Main, Self::Local];
 
     /// Width of the carriageway, in metres.
     pub fn carriageway(self) -> f64 {
@@ -57,6 +60,7 @@ impl StreetClass {
             Self::Highway => 15.0,
             Self::Major => 9.5,
             Self::Minor => 6.5,
+            Self::Ramp => 5.0,
             Self::Arterial => 12.0,
             Self::Main => 9.0,
             Self::Local => 6.0,
@@ -66,7 +70,7 @@ impl StreetClass {
     /// Width of the pavement on each side, in metres.
     pub fn pavement(self) -> f64 {
         match self {
-            Self::Highway | Self::Major | Self::Minor => 0.0,
+            Self::Highway | Self::Major | Self::Minor | Self::Ramp => 0.0,
             Self::Arterial => 3.5,
             Self::Main => 3.0,
             Self::Local => 2.0,
@@ -78,9 +82,19 @@ impl StreetClass {
         self.carriageway() / 2.0 + self.pavement()
     }
 
-    /// Whether this is a road between settlements.
+    /// Whether this is a road between settlements, or a ramp of one.
     pub fn is_road(self) -> bool {
+        matches!(self, Self::Highway | Self::Major | Self::Minor | Self::Ramp)
+    }
+
+    /// Whether this is a class of links between settlements, unlike ramps.
+    pub fn is_link(self) -> bool {
         matches!(self, Self::Highway | Self::Major | Self::Minor)
+    }
+
+    /// Whether traffic goes only from the junction `from` of a street to its junction `to`.
+    pub fn is_one_way(self) -> bool {
+        self == Self::Ramp
     }
 
     /// Whether this is a main street of a town.
@@ -94,6 +108,7 @@ impl StreetClass {
             Self::Highway => "highway",
             Self::Major => "major",
             Self::Minor => "minor",
+            Self::Ramp => "ramp",
             Self::Arterial => "arterial",
             Self::Main => "main",
             Self::Local => "local",

@@ -13,8 +13,8 @@ mod settlements;
 pub use gate::Gate;
 pub use outline::{Border, Outline, SharedBorder, Waterway};
 pub use road::{
-    Crossing, Link, NetworkError, NetworkTask, RoadNetwork, RoadOverrides, RoadSection, RoadSettings, Roads,
-    TierSettings,
+    Crossing, HighwayCrossing, Hindrance, Link, NetworkError, NetworkTask, RoadNetwork, RoadOverrides, RoadSection,
+    RoadSettings, Roads, TierSettings,
 };
 pub(crate) use road::{OVERPASS_CLEARANCE, overpass_profile};
 pub use settlement::{

@@ -35,7 +35,7 @@ struct Stop {
 }
 
 impl Route {
-    /// The shortest way along streets between two plan points. Only streets within `margin` metres of the box around both
+    /// The shortest way along streets between two plan points, along ramps only in their direction. Only streets within `margin` metres of the box around both
     /// points are looked at. `None` when no street is near enough or none leads there.
     pub(super) fn find(
         stack: &Stack,
@@ -91,7 +91,12 @@ impl Route {
         let successors = |place: &Option<Walk>| -> Vec<(Option<Walk>, u64)> {
             let mut next = Vec::new();
             match place {
-                None => [true, false].into_iter().for_each(|f| next.extend(walks(start.street, f, true))),
+                None => {
+                    next.extend(walks(start.street, true, true));
+                    if !streets[start.street].class.is_one_way() {
+                        next.extend(walks(start.street, false, true));
+                    }
+                }
                 Some(walk) if walk.ends => {}
                 Some(walk) => {
                     let junction = exit(walk).0;
@@ -99,7 +104,7 @@ impl Route {
                         if streets[i].from == junction {
                             next.extend(walks(i, true, false));
                         }
-                        if streets[i].to == junction {
+                        if streets[i].to == junction && !streets[i].class.is_one_way() {
                             next.extend(walks(i, false, false));
                         }
                     }

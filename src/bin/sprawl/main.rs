@@ -2,6 +2,7 @@
 
 mod beside;
 mod common;
+mod crossings;
 mod digest;
 mod edits;
 mod expressive;

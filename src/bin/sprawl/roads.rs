@@ -10,6 +10,7 @@ mod table;
 mod tiles;
 
 use crate::common::{Common, Flag};
+use crate::crossings;
 use crate::edits::EditsFile;
 use crate::fail::Fail;
 use crate::output::{Format, Output, spelled_in_latin, write, write_pair};
@@ -107,7 +108,11 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     report["table"] = table::json(&table.report);
     let (spelled_json, spelled) = spelled_in_latin(&plan, format);
     report["spelled_in_latin"] = spelled_json;
-    let mut people = report::people(&network, &report) + &spelled + &ground_report.people() + &table::people(&table);
+    let mut people = report::people(&network, &report)
+        + &crossings::people(&network.crossings)
+        + &spelled
+        + &ground_report.people()
+        + &table::people(&table);
     if let Some(projection) = geographic {
         report["projection"] = report::projection(&projection);
     }

@@ -1,6 +1,7 @@
 //! `sprawl settlements`: the settlements of a square and the roads between them.
 
 use crate::common::{At, Common};
+use crate::crossings;
 use crate::fail::Fail;
 use crate::values::size;
 use crate::work;
@@ -20,7 +21,7 @@ pub struct SettlementsArgs {
     pub size: f64,
 }
 
-/// Runs the command: settlements centred in the square, and connections with an end in it.
+/// Runs the command: settlements centred in the square, connections with an end in it, and crossings of highways.
 pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
@@ -29,6 +30,7 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
     let unreached = world.roads().unreached(bounds, &Cancel::new())?;
     let names: Vec<&str> = unreached.iter().map(|s| s.name.as_str()).collect();
     work::warn_of_unreached(&names);
+    let crossings = world.roads().crossings(bounds, &Cancel::new())?;
     let mut way_points = world.roads().way_points().to_vec();
     way_points.retain(|p| bounds.contains(p.centre.plan()));
     let hex = |id: u64| format!("{id:016x}");
@@ -44,6 +46,7 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
             "id": hex(l.id.0), "from": hex(l.from.0), "to": hex(l.to.0), "class": l.class.name(),
             "length_m": l.length_m, "cost": l.cost, "bridges": l.bridges, "tunnels": l.tunnels,
         })).collect::<Vec<_>>(),
+        "crossings": crossings::json(&crossings),
         "unreached": unreached.iter().map(|s| hex(s.id.0)).collect::<Vec<_>>(),
     });
     if !world.edits().way_points.is_empty() {
@@ -77,6 +80,7 @@ pub fn run(common: &Common, args: &SettlementsArgs) -> Result<(), Fail> {
         }
         people.push('\n');
     }
+    people += &crossings::people(&crossings);
     let _ = writeln!(people, "{} settlements, {} roads", settlements.len(), links.len());
     work::print(common, &report, &people)
 }

@@ -64,15 +64,17 @@ impl Sheet {
     }
 
     pub fn pen(&self, class: StreetClass, layer: Layer, tunnel: bool) -> Option<Pen> {
-        use StreetClass::{Arterial, Highway, Local, Main, Major, Minor};
+        use StreetClass::{Arterial, Highway, Local, Main, Major, Minor, Ramp};
         // Least width in pixels, colours of carriageway and casing. From far off roads are drawn far wider than they are.
         let (least, inner, casing) = match class {
             Highway if self.region => (4.6, "#e2683f", "#7d2a12"),
             Major if self.region => (3.5, "#f6b545", "#86571a"),
             Minor if self.region => (2.3, "#fff2a6", "#6f6338"),
+            Ramp if self.region => (1.2, "#e2683f", "#7d2a12"),
             Highway => (2.4, "#f0a160", "#a4602b"),
             Major => (1.8, "#f7cf86", "#b3853b"),
             Minor => (1.2, "#fdf4cf", "#a99b74"),
+            Ramp => (1.0, "#f0a160", "#a4602b"),
             Arterial => (1.7, "#fbe29d", "#bd9648"),
             Main => (1.2, "#fff6d6", "#b9a678"),
             Local => (0.7, "#ffffff", "#b4aa9b"),

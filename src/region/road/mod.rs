@@ -18,8 +18,8 @@
 //! 4. `graph` joins all routes into a planar graph, in tiles of 8 steps.
 //! 5. `merge` merges stretches that run beside each other and moves forks at sharp angles outwards. Then it realigns minor legs, so
 //!    that lesser roads meet better ones at blunter angles and cross them at one place.
-//! 6. `overpass` lets roads that cross highways nearly at right angles pass over them on a bridge. A ramp joins both roads if the
-//!    settings ask for it.
+//! 6. `overpass` lets roads that cross highways pass over them on a bridge. One or four ramps join both roads if the settings ask
+//!    for it.
 //! 7. `shape` smooths lines.
 //! 8. `sections` follows lines between junctions from tile to tile and cuts them at the ends of bridges and tunnels.
 //!
@@ -33,7 +33,7 @@
 //!   most the tier's reach apart. Every point of a route has one of its settlements within `TierSettings::padding`.
 //! - A site reads 6 steps around its outline. A tile of the graph reads routes 2 steps around it.
 //! - Merging reads within `merge::padding` of its tile (about 2 km with the default settings), crossings of highways within
-//!   `overpass::padding` (about 1 km), smoothing the graphs of two rings of tiles and outlines 16 steps around its tile.
+//!   `overpass::padding` (about 2 km), smoothing the graphs of two rings of tiles and outlines 16 steps around its tile.
 //!
 //! Terrain is sampled at points inside the same boxes; a sample cannot fail. Edits change none of this: paths that influences
 //! make cheap, and paths through given points, stay within the ellipse of their pair. A way point is one more settlement,
@@ -100,7 +100,7 @@ mod way_points;
 mod window;
 mod wishes;
 
-pub use crossing::Crossing;
+pub use crossing::{Crossing, HighwayCrossing, Hindrance};
 pub use link::Link;
 pub use network::{NetworkError, NetworkTask, RoadNetwork};
 pub(crate) use overpass::{OVERPASS_CLEARANCE, overpass_profile};

@@ -1,6 +1,7 @@
 //! The roads of an endless world.
 
 use super::budget::Budget;
+use super::crossing::HighwayCrossing;
 use super::inputs::Inputs;
 use super::lattice::node_at;
 use super::link::{Link, link};
@@ -108,6 +109,18 @@ impl Roads {
         }
         out.sort_by_key(|r: &Arc<RoadSection>| r.street.id);
         out.dedup_by_key(|r| r.street.id);
+        Ok(out)
+    }
+
+    /// Crossings of roads with highways in `bounds` (plan metres), on the ground and on bridges: how they are built, and what keeps
+    /// them from being built as the settings say. Sorted by place.
+    pub fn crossings(&self, bounds: Bounds, cancel: &Cancel) -> Result<Vec<HighwayCrossing>, LayerError> {
+        let mut out = Vec::new();
+        for tile in tiles_in(bounds, self.searches.inputs.step()) {
+            cancel.check()?;
+            out.extend(self.sections.crossings(tile, cancel)?.into_iter().filter(|c| bounds.contains(c.at)));
+        }
+        out.sort_by(|a, b| a.at.y.total_cmp(&b.at.y).then(a.at.x.total_cmp(&b.at.x)));
         Ok(out)
     }
 

@@ -333,10 +333,16 @@ impl Routes {
         }
         let mut beside = vec![0f64; field.corridor().nodes.len()];
         for road in &roads {
+            // A toll road may be crossed, but no other road takes a stretch of it.
+            let toll = inputs.settings.class(road.class).toll;
             for (i, pair) in road.nodes.windows(2).enumerate() {
-                field.add_existing(pair[0], pair[1], road.level(i));
+                if toll && road.level(i) == 0 {
+                    field.close_edge(pair[0], pair[1]);
+                } else {
+                    field.add_existing(pair[0], pair[1], road.level(i));
+                }
             }
-            for span in &road.spans {
+            for span in road.spans.iter().filter(|_| !toll) {
                 field.add_existing_span(&road.nodes[span.first..=span.last], span.tunnel);
             }
             raise_closeness(&road.nodes, field.corridor(), step, &mut beside);

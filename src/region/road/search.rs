@@ -1,7 +1,7 @@
 //! Shortest paths on the coarse lattice: A* over nodes, with the 16 headings of the stencil but without headings in the state.
 //! They tell where to search closely ([`geodesic`](super::geodesic)).
 
-use super::lattice::{DIRECTIONS, STENCIL};
+use super::lattice::{DIRECTIONS, STENCIL, stencil_distance};
 use super::window::Window;
 use crate::layer::{Cancel, LayerError};
 use glam::I64Vec2;
@@ -56,7 +56,9 @@ pub(super) fn search(
     let none = Label { cost: f64::INFINITY, wet: 0.0, heading: DIRECTIONS as u8, closed: false };
     let mut labels = vec![none; w.len()];
     let step = query.step as f64;
-    let rest = |node: I64Vec2| (query.to - node).as_dvec2().length() * step * query.least;
+    // Edges lead in few headings, so that the rest is at least the distance on the stencil. The beeline is up to 3 % shorter, with
+    // which a search would visit twice as many nodes.
+    let rest = |node: I64Vec2| stencil_distance(query.to - node) * step * query.least;
     // Costs are not negative, so their bits have the same order.
     let mut open = BinaryHeap::new();
     labels[w.index(query.from)].cost = 0.0;
@@ -115,7 +117,6 @@ pub(super) fn search(
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::stencil_distance;
     use super::*;
 
     fn query(from: I64Vec2, to: I64Vec2) -> Query {
@@ -129,6 +130,22 @@ mod tests {
         let found = search(&query(a, b), &Cancel::new(), |_, _, _, l| Ok(Some((l, 0.0)))).unwrap().unwrap();
         assert!((found.cost - 100.0 * stencil_distance(b)).abs() < 1e-6);
         assert_eq!((found.nodes[0], found.nodes[found.nodes.len() - 1]), (a, b));
+    }
+
+    #[test]
+    fn what_guides_a_search_does_not_change_its_result() {
+        let mut random = crate::space::Seed(5).stream("test", &[]);
+        let cells: Vec<f64> = (0..1600).map(|_| random.range(1.0, 3.0)).collect();
+        let edge = |n: I64Vec2, _: usize, h: usize, l: f64| {
+            let at = |n: I64Vec2| cells[((n.y + 5) * 40 + n.x + 5) as usize];
+            Ok(Some((l * (at(n) + at(n + STENCIL[h])) / 2.0, 0.0)))
+        };
+        for (x, y) in [(30, 11), (-5, 34), (17, 17), (3, -4), (34, 0)] {
+            let guided = query(I64Vec2::ZERO, I64Vec2::new(x, y));
+            let blind = Query { least: 1e-12, ..query(guided.from, guided.to) };
+            let [a, b] = [guided, blind].map(|q| search(&q, &Cancel::new(), edge).unwrap().unwrap());
+            assert_eq!((a.cost.to_bits(), a.nodes), (b.cost.to_bits(), b.nodes));
+        }
     }
 
     #[test]

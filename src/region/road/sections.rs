@@ -2,6 +2,7 @@
 //! end.
 
 use super::budget::Budget;
+use super::crossing::HighwayCrossing;
 use super::graph::Graphs;
 use super::inputs::Inputs;
 use super::overpass::{BuiltGraphs, HALF_LENGTH, longest_way};
@@ -15,6 +16,7 @@ use crate::space::{
     Bounds, Origin, closest_on_line, cut_line, line_length, quantize, segment_crossing, segments, stable_hash,
 };
 use glam::{DVec2, I64Vec2};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -131,6 +133,11 @@ impl Sections {
         Self { inputs, graphs, built, shapes, lines: budget.cache(2), tiles: budget.cache(3) }
     }
 
+    /// The crossings of highways in a tile.
+    pub fn crossings(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Vec<HighwayCrossing>, LayerError> {
+        self.built.crossings(tile, cancel)
+    }
+
     /// The sections whose centre line enters a tile, sorted by id.
     pub fn of_tile(&self, tile: I64Vec2, cancel: &Cancel) -> Result<Arc<SectionList>, LayerError> {
         self.tiles.get(&tile.to_array(), || self.make(tile, cancel))
@@ -183,9 +190,19 @@ impl Sections {
     }
 }
 
+/// The vertices of a line in the direction of its traffic, if it is one-way. Ramps have no vertices between their ends.
+fn in_direction<'a>(walk: &mut Walk, keys: &'a [Key]) -> Result<Cow<'a, [Key]>, LayerError> {
+    let [from, to, ..] = *keys else { return Ok(keys.into()) };
+    let graph = walk.graph(from.tile())?;
+    let way = graph.vertices.get(&from).and_then(|v| v.ways.iter().find(|w| w.to == to));
+    let against = way.and_then(|w| w.ramp).is_some_and(|r| !r.ahead);
+    Ok(if against { keys.iter().rev().copied().collect::<Vec<_>>().into() } else { keys.into() })
+}
+
 /// The sections along a line of the graph.
 fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<RoadSection>>, LayerError> {
     walk.cancel.check()?;
+    let keys = &*in_direction(walk, keys)?;
     let mut corners: Vec<Shape> = Vec::new();
     let mut levels: Vec<i8> = Vec::new();
     let mut class = None;
@@ -198,6 +215,10 @@ fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<RoadS
         let inner = i > 0 && i + 1 < keys.len();
         let shape = if inner { walk.shape(*key)? } else { None };
         corners.push(shape.unwrap_or(Shape { position: v.position, round: false }));
+        if let Some((way, ramp)) = way.and_then(|w| Some((w, w.ramp?))) {
+            corners.push(Shape { position: ramp.bend, round: true });
+            levels.push(way.level);
+        }
     }
     let Some(class) = class else { return Ok(Vec::new()) };
     let origin = corners[0].position.origin;

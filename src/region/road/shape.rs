@@ -11,7 +11,9 @@ use super::overpass::BuiltGraphs;
 use super::tile::{tile_bounds, tiles_around};
 use super::vertex::{Graph, Key, Position, Vertex, Way};
 use crate::layer::{Cancel, LayerCache, LayerError, Reach, Weigh};
-use crate::space::{Bounds, Origin, math::angle_between, polygon_distance, segment_distance};
+use crate::space::{
+    Bounds, Origin, distance_to_segment, math::angle_between, orient, polygon_distance, segment_distance,
+};
 use glam::{DVec2, I64Vec2};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -202,6 +204,8 @@ struct Line {
     bounds: Bounds,
     deviation: [Deviation; 2],
     level: i8,
+    /// The corner that a ramp rounds, relative to the origin.
+    bend: Option<DVec2>,
 }
 
 /// Vertices that must stay where they are, and vertices whose corners must also stay sharp. Both are sorted.
@@ -215,6 +219,13 @@ impl Line {
         of(&self.deviation[0]).max(of(&self.deviation[1]))
     }
 
+    /// How far the curve of a ramp comes out of its straight line towards another line, at most.
+    fn bulge(&self, f: &Line) -> f64 {
+        let [a, b] = self.at;
+        let towards = |bend: DVec2| f.at.iter().any(|p| orient(a, b, *p) * orient(a, b, bend) > 0.0);
+        self.bend.filter(|bend| towards(*bend)).map_or(0.0, |bend| distance_to_segment(bend, a, b))
+    }
+
     /// Whether two lines might meet after smoothing.
     fn clashes(&self, f: &Line, bends: &BTreeMap<Key, Bend>, of: fn(&Deviation) -> f64) -> bool {
         match self.ends.iter().position(|k| f.ends.contains(k)) {
@@ -224,8 +235,10 @@ impl Line {
             }
             None => {
                 let apart = segment_distance(self.at[0], self.at[1], f.at[0], f.at[1]);
-                apart < self.most(of) + f.most(of) + APART
+                apart < self.most(of) + f.most(of) + self.bulge(f) + f.bulge(self) + APART
             }
+            // A ramp was found to meet its roads nowhere else.
+            Some(_) if self.bend.is_some() || f.bend.is_some() => false,
             // Neighbours along one line share the corner that is rounded.
             Some(x) if bends.contains_key(&self.ends[x]) => false,
             Some(x) => {
@@ -257,8 +270,10 @@ fn conflicts(
             }
             let at = [v.position.local_to(around.origin), way.position.local_to(around.origin)];
             let deviation = [deviation_of(key), deviation_of(&way.to)];
-            let bounds = Bounds::of(at).grown((deviation[0].moved.max(deviation[1].moved) + APART) / 2.0);
-            lines.push(Line { ends: [*key, way.to], at, bounds, deviation, level: way.level });
+            let bend = way.ramp.map(|r| r.bend.local_to(around.origin));
+            let bounds = Bounds::of(at.into_iter().chain(bend));
+            let bounds = bounds.grown((deviation[0].moved.max(deviation[1].moved) + APART) / 2.0);
+            lines.push(Line { ends: [*key, way.to], at, bounds, deviation, level: way.level, bend });
         }
     }
     let mut out = Kept { still: Vec::new(), sharp: Vec::new() };

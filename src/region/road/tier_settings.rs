@@ -131,6 +131,9 @@ tier_settings! {
         roughness: f64, 0.0 to 1.0;
     }
     words {
+        /// Whether the roads are toll roads. Roads of other classes then join them only in settlements and at interchanges; they do
+        /// not run along them or merge with them (Galin 2011, section 6).
+        toll: bool;
         /// How roads of the class cross highways.
         #[serde(alias = "over_highways")]
         highway_crossings: Crossing;
@@ -163,6 +166,7 @@ impl TierSettings {
             turn: 4.0,
             radius: 50.0,
             highway_crossings: Crossing::Bridge,
+            toll: false,
             roughness: 0.08,
         }
     }
@@ -180,7 +184,7 @@ impl TierSettings {
             tunnel_limit: 700.0,
             turn: 5.0,
             radius: 120.0,
-            highway_crossings: Crossing::Interchange,
+            highway_crossings: Crossing::Diamond,
             ..Self::minor()
         }
     }
@@ -203,7 +207,7 @@ impl TierSettings {
             tunnel_limit: 1_600.0,
             turn: 6.0,
             radius: 250.0,
-            highway_crossings: Crossing::Interchange,
+            highway_crossings: Crossing::Diamond,
             ..Self::minor()
         }
     }

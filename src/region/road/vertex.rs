@@ -12,6 +12,17 @@ use std::collections::BTreeMap;
 /// 1/3, 1/4 and 1/5 of a step.
 pub(super) const PARTS: i64 = 60;
 
+/// The point nearest to a share of the way from `a` to `b`, all in parts of a step, that lies exactly on the line between them.
+pub(super) fn part_of_way(a: I64Vec2, b: I64Vec2, share: f64) -> I64Vec2 {
+    let by = b - a;
+    let count = greatest_divisor(by.x.abs(), by.y.abs()).max(1);
+    a + by / count * (count as f64 * share + 0.5).floor() as i64
+}
+
+fn greatest_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
+}
+
 /// Name of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Key {
@@ -159,6 +170,20 @@ impl Rank {
         let length = line_length(&route.line(step)).to_bits();
         Self { class: route.class, length, route: route.id.0 }
     }
+
+    /// The rank of a one-way ramp of the road with this rank.
+    pub fn of_ramp(self) -> Self {
+        Self { class: StreetClass::Ramp, ..self }
+    }
+}
+
+/// The course of a one-way ramp along a way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RampCourse {
+    /// The corner that the ramp rounds between both ends of the way.
+    pub bend: Position,
+    /// Whether traffic goes along the way, and not against it.
+    pub ahead: bool,
 }
 
 /// A way from a vertex to the next.
@@ -170,6 +195,8 @@ pub(super) struct Way {
     pub rank: Rank,
     /// 1 on a bridge and -1 in a tunnel that the search for a route chose, 0 elsewhere.
     pub level: i8,
+    /// The course of the ramp that the way is, if it is one of a diamond interchange.
+    pub ramp: Option<RampCourse>,
 }
 
 /// A vertex of the graph.
@@ -203,14 +230,27 @@ impl Graph {
     /// Adds a way in both directions, as far as its ends lie in the tile.
     pub fn join(&mut self, tile: I64Vec2, a: (Key, Position), b: (Key, Position), rank: Rank, level: i8) {
         for ((key, position), (to, there)) in [(a, b), (b, a)] {
-            if key.tile() != tile {
-                continue;
-            }
-            let vertex = self.vertices.entry(key).or_insert_with(|| Vertex { position, ways: Vec::new() });
-            match vertex.ways.binary_search_by_key(&to, |w| w.to) {
-                Ok(i) => vertex.ways[i].rank = vertex.ways[i].rank.min(rank),
-                Err(i) => vertex.ways.insert(i, Way { to, position: there, rank, level }),
-            }
+            self.add((tile, key, position), Way { to, position: there, rank, level, ramp: None });
+        }
+    }
+
+    /// Adds a one-way ramp from `a` to `b` that rounds a corner between them.
+    pub fn join_by_ramp(&mut self, tile: I64Vec2, a: (Key, Position), b: (Key, Position), rank: Rank, bend: Position) {
+        for ((key, position), (to, there), ahead) in [(a, b, true), (b, a, false)] {
+            let ramp = Some(RampCourse { bend, ahead });
+            self.add((tile, key, position), Way { to, position: there, rank, level: 0, ramp });
+        }
+    }
+
+    /// Adds a way from a vertex, if the vertex lies in the tile.
+    fn add(&mut self, (tile, key, position): (I64Vec2, Key, Position), way: Way) {
+        if key.tile() != tile {
+            return;
+        }
+        let vertex = self.vertices.entry(key).or_insert_with(|| Vertex { position, ways: Vec::new() });
+        match vertex.ways.binary_search_by_key(&way.to, |w| w.to) {
+            Ok(i) => vertex.ways[i].rank = vertex.ways[i].rank.min(way.rank),
+            Err(i) => vertex.ways.insert(i, way),
         }
     }
 }

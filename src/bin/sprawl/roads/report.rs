@@ -1,5 +1,6 @@
 //! What `sprawl roads` says of a network.
 
+use crate::crossings;
 use bevy_sprawl::network::StreetClass;
 use bevy_sprawl::region::{RoadNetwork, SettlementId};
 use bevy_sprawl::space::Geographic;
@@ -42,6 +43,7 @@ pub fn json(network: &RoadNetwork) -> Json {
             "tunnels": network.links.iter().map(|l| l.tunnels).sum::<usize>(),
             "classes": classes.into_iter().map(|c| (c.name().to_owned(), of(c))).collect::<serde_json::Map<_, _>>(),
         },
+        "crossings": crossings::json(&network.crossings),
         "unreached": network.unreached.iter().map(|id| name(network, *id)).collect::<Vec<_>>(),
     })
 }

@@ -7,7 +7,7 @@ use super::spans::{SpanEdge, Spans};
 use crate::layer::LayerError;
 use crate::network::SizeClass;
 use crate::region::road::influence::Influences;
-use crate::region::road::lattice::node_at;
+use crate::region::road::lattice::{heading, node_at};
 use crate::region::road::samples::Samples;
 use crate::region::road::tier_settings::TierSettings;
 use crate::region::road::window::Window;
@@ -94,6 +94,14 @@ impl<'a> Field<'a> {
         self.edges.existing.close_nodes(&self.edges.corridor, nodes);
         self.edges.forget();
         self.spans.forget();
+    }
+
+    /// Closes the edge between two nodes, if there is one.
+    pub fn close_edge(&mut self, a: I64Vec2, b: I64Vec2) {
+        if let (Some(ahead), Some(back)) = (heading(a, b), heading(b, a)) {
+            self.edges.existing.close(&self.edges.corridor, a, 1 << ahead);
+            self.edges.existing.close(&self.edges.corridor, b, 1 << back);
+        }
     }
 
     /// Adds the edge of an existing road between two nodes. Using it costs no more than its length.

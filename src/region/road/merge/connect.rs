@@ -84,8 +84,8 @@ fn connector(rules: &mut Rules, v: usize) -> Result<Option<Connector>, LayerErro
     let mut at = 0;
     while let Some(n) = joined.get(at).copied() {
         for e in &rules.net.nodes[n].ways {
-            let (edge, next) = (&rules.net.edges[*e], rules.net.far(*e, n));
-            if edge.rank < rank && !edge.fixed && !joined.contains(&next) && rules.net.apart(v, next) <= longest {
+            let next = rules.net.far(*e, n);
+            if rules.net.is_better(*e, rank) && !joined.contains(&next) && rules.net.apart(v, next) <= longest {
                 joined.push(next);
             }
         }

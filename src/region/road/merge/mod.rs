@@ -13,6 +13,8 @@
 //! they lie on better edges). So both stretches are coupled vertex after vertex by rungs, none of them longer than
 //! `longest_rung`, which is a little more than the merge distance.
 //!
+//! Roads of another class do not merge with toll roads (section 6): for them, edges of toll roads are no better edges.
+//!
 //! Where a vertex loses edges but keeps others, a *connector* takes the place of the rung, chosen so that the road continues
 //! smoothly. Its far end is the Steiner junction of the paper. That junction is a vertex that was there before, so its id comes
 //! from its position. At last, `realign` moves such junctions along the better road, to whole parts of a step of the lattice,

@@ -30,6 +30,8 @@ pub(in crate::region::road) struct Edge {
     pub level: i8,
     /// Whether the edge stays in any case, because it is a tie, a bridge or a tunnel.
     pub fixed: bool,
+    /// Whether the edge is part of a toll road, with which roads of other classes do not merge.
+    pub toll: bool,
 }
 
 /// The graph around a tile.
@@ -115,7 +117,8 @@ impl Net {
                         nodes[end].ways.push(edges.len());
                         nodes[end].best = Some(nodes[end].best.map_or(way.rank, |r| r.min(way.rank)));
                     }
-                    edges.push(Edge { ends: [a, b], rank: way.rank, level: way.level, fixed });
+                    let toll = settings.class(way.rank.class).toll;
+                    edges.push(Edge { ends: [a, b], rank: way.rank, level: way.level, fixed, toll });
                 }
             }
         }
@@ -180,9 +183,20 @@ impl Net {
         distance_to_segment(DVec2::ZERO, self.step(node, from), self.step(node, to))
     }
 
-    /// Whether a vertex lies on an edge better than `rank` that is not fixed.
+    /// Whether an edge is part of a toll road that a road of that rank does not merge with.
+    pub fn is_closed_to(&self, edge: usize, rank: Rank) -> bool {
+        self.edges[edge].toll && self.edges[edge].rank.class != rank.class
+    }
+
+    /// Whether an edge is better than `rank`, so that a road of that rank may merge with it.
+    pub fn is_better(&self, edge: usize, rank: Rank) -> bool {
+        let e = &self.edges[edge];
+        e.rank < rank && !e.fixed && !self.is_closed_to(edge, rank)
+    }
+
+    /// Whether a vertex lies on an edge better than `rank`.
     pub fn on_better(&self, node: usize, rank: Rank) -> bool {
-        self.nodes[node].ways.iter().any(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed)
+        self.nodes[node].ways.iter().any(|e| self.is_better(*e, rank))
     }
 
     /// Other vertices within `limit` metres of a vertex, sorted.
@@ -207,14 +221,14 @@ impl Net {
         Ok(out)
     }
 
-    /// Distance of a vertex from the nearest edge better than `rank` that is not fixed, if it is within `limit`.
+    /// Distance of a vertex from the nearest edge better than `rank`, if it is within `limit`.
     pub fn better_near(&self, node: usize, rank: Rank, limit: f64) -> Result<Option<f64>, LayerError> {
         if self.on_better(node, rank) {
             return Ok(Some(0.0));
         }
         let around = self.readable(Bounds::of([self.nodes[node].at]).grown(limit))?;
         let edges = self.near_edges.get(around).into_iter();
-        let better = edges.filter(|e| self.edges[*e].rank < rank && !self.edges[*e].fixed);
+        let better = edges.filter(|e| self.is_better(*e, rank));
         let distance = better.map(|e| self.distance_to_edge(node, e)).fold(f64::INFINITY, f64::min);
         Ok((distance <= limit).then_some(distance))
     }

@@ -16,7 +16,7 @@ use super::padding::{ON_LINE, longest_connector, longest_leg, longest_stagger};
 use super::ring::Rings;
 use super::rules::Rules;
 use crate::layer::LayerError;
-use crate::region::road::vertex::{Graph, Key, Position};
+use crate::region::road::vertex::{Graph, Key, Position, part_of_way};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, point_in_polygon, segment_distance};
 use glam::{DVec2, I64Vec2};
@@ -105,8 +105,7 @@ impl<'a> Realignment<'a> {
     }
 
     fn is_better(&self, edge: usize, than: usize) -> bool {
-        let [a, b] = [edge, than].map(|e| &self.net().edges[e]);
-        !a.fixed && a.rank < b.rank
+        self.net().is_better(edge, self.net().edges[than].rank)
     }
 
     /// The fork of three edges at a vertex.
@@ -276,10 +275,8 @@ impl<'a> Realignment<'a> {
             return Some(self.at_node(to));
         }
         let [a, b] = [from, to].map(|n| net.nodes[n].key.ground_parts());
-        let (a, by) = (a?, b? - a?);
-        // Whole parts on the edge itself, so that it stays straight.
-        let count = gcd(by.x.abs(), by.y.abs()).max(1);
-        let p = a + by / count * ((count * eighths + 4) / 8);
+        // On the edge itself, so that it stays straight.
+        let p = part_of_way(a?, b?, eighths as f64 / 8.0);
         let key = Key::Ground { x: p.x, y: p.y };
         let position = key.position(self.rules.inputs.step());
         let off = [from, to].map(|n| position.from(&net.nodes[n].position).length());
@@ -426,8 +423,4 @@ impl<'a> Realignment<'a> {
         }
         Ok(out)
     }
-}
-
-fn gcd(a: i64, b: i64) -> i64 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }

@@ -26,7 +26,9 @@ impl<'a> Rings<'a> {
             let [a, b] = net.edges[e].ends.map(|n| net.nodes[n].key);
             (net.edges[e].rank, a.min(b), a.max(b))
         };
-        let sides = |node: usize| net.nodes[node].ways.iter().copied().filter(move |e| *e != edge && self.is_plain(*e));
+        let rank = net.edges[edge].rank;
+        let is_side = move |e: &usize| *e != edge && self.is_plain(*e) && !net.is_closed_to(*e, rank);
+        let sides = |node: usize| net.nodes[node].ways.iter().copied().filter(is_side);
         let [a, b] = net.edges[edge].ends;
         let length = |e: usize| net.apart(net.edges[e].ends[0], net.edges[e].ends[1]);
         let is_small = |f: usize, g: usize| {
@@ -56,7 +58,7 @@ impl<'a> Rings<'a> {
     /// Whether edges better than two others join two vertices over at most `most` metres.
     fn are_joined(&self, ends: [usize; 2], than: [usize; 2], most: f64) -> bool {
         let net = self.net;
-        net.joins(ends, most, |e, _| self.is_plain(e) && than.iter().all(|t| net.edges[e].rank < net.edges[*t].rank))
+        net.joins(ends, most, |e, _| self.is_plain(e) && than.iter().all(|t| net.is_better(e, net.edges[*t].rank)))
     }
 
     fn is_plain(&self, edge: usize) -> bool {

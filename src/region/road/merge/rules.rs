@@ -3,8 +3,9 @@
 use super::net::Net;
 use super::padding::{OUTLINE_STEPS, WATCHED_STEPS, beside, longest_rung};
 use crate::layer::{LayerError, Reach};
+use crate::network::StreetClass;
 use crate::region::road::inputs::Inputs;
-use crate::region::road::vertex::Rank;
+use crate::region::road::vertex::{Position, Rank};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, polygon_distance, segment_distance};
 use glam::DVec2;
@@ -115,9 +116,7 @@ impl<'a> Rules<'a> {
     pub fn is_sharp(&self, edge: usize, fork: usize) -> bool {
         let direction = self.net.step(fork, self.net.far(edge, fork));
         self.net.nodes[fork].ways.iter().any(|b| {
-            let better = &self.net.edges[*b];
-            better.rank < self.net.edges[edge].rank
-                && !better.fixed
+            self.net.is_better(*b, self.net.edges[edge].rank)
                 && angle_between(direction, self.net.step(fork, self.net.far(*b, fork))) < SHARP
         })
     }
@@ -168,7 +167,6 @@ impl<'a> Rules<'a> {
     /// The same for a straight line from a vertex to another vertex or to any point, built as a road of a rank.
     pub fn lets_through(&self, from: usize, by: DVec2, to: Option<usize>, rank: Rank) -> Result<bool, LayerError> {
         let a = &self.net.nodes[from];
-        let step = self.inputs.step() as f64;
         let crosses_tie = |e: &usize| {
             let edge = &self.net.edges[*e];
             let [p, q] = edge.ends.map(|n| self.net.step(from, n));
@@ -181,11 +179,17 @@ impl<'a> Rules<'a> {
         if self.net.edges_in(around)?.iter().any(crosses_tie) {
             return Ok(false);
         }
-        let most = self.inputs.settings.class(rank.class).slope_limit;
+        self.ground_lets_through(&a.position, by, rank.class)
+    }
+
+    /// Whether the ground lets a straight road of a class through that begins at a position, and no outline is in its way.
+    pub fn ground_lets_through(&self, from: &Position, by: DVec2, class: StreetClass) -> Result<bool, LayerError> {
+        let step = self.inputs.step() as f64;
+        let most = self.inputs.settings.class(class).slope_limit;
         let parts = (by.length() / SAMPLED_EVERY).ceil().max(1.0);
         let mut before: Option<f64> = None;
         for i in 0..=parts as usize {
-            let ground = self.inputs.terrain.sample(a.position.moved(by * (i as f64 / parts)).plan());
+            let ground = self.inputs.terrain.sample(from.moved(by * (i as f64 / parts)).plan());
             if ground.depth() > 0.0 {
                 return Ok(false);
             }
@@ -197,10 +201,10 @@ impl<'a> Rules<'a> {
                 before = Some(ground.height);
             }
         }
-        let near = Bounds::of([a.position.plan(), a.position.moved(by).plan()]).grown(OUTLINE_STEPS * step);
+        let near = Bounds::of([from.plan(), from.moved(by).plan()]).grown(OUTLINE_STEPS * step);
         for s in self.inputs.settlements.overlapping(self.reach.check(near)?)? {
             let outline = self.inputs.settlements.outline(&s)?;
-            let at = a.position.local_to(outline.origin);
+            let at = from.local_to(outline.origin);
             if polygon_distance(at, at + by, &outline.polygon) < OUTLINE_STEPS * step {
                 return Ok(false);
             }
@@ -242,8 +246,7 @@ impl<'a> Rules<'a> {
         let limit = longest_rung(&self.inputs.settings);
         let most = 2.0 * self.net.apart(self.net.edges[edge].ends[0], self.net.edges[edge].ends[1]) + limit;
         self.net.joins([from, to], most, |e, next| {
-            let better = self.net.edges[e].rank < self.net.edges[edge].rank && !self.net.edges[e].fixed;
-            better && self.net.distance_to_edge(next, edge) <= limit
+            self.net.is_better(e, self.net.edges[edge].rank) && self.net.distance_to_edge(next, edge) <= limit
         })
     }
 

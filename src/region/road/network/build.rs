@@ -9,6 +9,7 @@ use crate::edits::{Edits, RejectedEdit};
 use crate::network::{Junction, SizeClass};
 use crate::region::outline::Outline;
 use crate::region::road::budget::Budget;
+use crate::region::road::crossing::HighwayCrossing;
 use crate::region::road::inputs::Inputs;
 use crate::region::road::lattice::node_at;
 use crate::region::road::link::{Link, link};
@@ -62,6 +63,8 @@ pub struct RoadNetwork {
     pub links: Vec<Arc<Link>>,
     /// Sections of road between gates, centres and junctions, sorted by id.
     pub roads: Vec<Arc<RoadSection>>,
+    /// Crossings of roads with highways: how they are built, and what keeps them from being built as the settings say.
+    pub crossings: Vec<HighwayCrossing>,
     /// Settlements that no road reaches, because of water or cost. Sorted.
     pub unreached: Vec<SettlementId>,
     /// The user's way points, as settlements of radius 0 that links name like others. Sorted by id.
@@ -163,6 +166,7 @@ impl RoadNetwork {
         let sections = sections(inputs, &routes, budget);
         let tiles: Vec<I64Vec2> = tiles_in(domain, settings.step).collect();
         let parts = task.each("shaping roads", &tiles, |tile| sections.of_tile(*tile, &task.cancel))?;
+        let crossings = task.each("looking at crossings", &tiles, |tile| sections.crossings(*tile, &task.cancel))?;
         let mut roads: Vec<&Arc<RoadSection>> = parts.iter().flat_map(|p| &p.0).collect();
         roads.sort_by_key(|r| r.street.id);
         roads.dedup_by_key(|r| r.street.id);
@@ -178,6 +182,7 @@ impl RoadNetwork {
             settlements: listed.all.clone(),
             roads: roads.into_iter().cloned().collect(),
             way_points: inputs.way_points.iter().map(|p| p.settlement.clone()).collect(),
+            crossings: crossings.concat(),
             links,
             rejected,
         })

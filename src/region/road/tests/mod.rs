@@ -3,6 +3,7 @@
 mod costs;
 mod edits;
 mod fixtures;
+mod interchanges;
 mod limits;
 mod merging;
 mod network;
