@@ -138,6 +138,6 @@ pub(crate) fn hex(id: u64) -> String {
 
 /// Classes from the narrowest to the widest: the order in which they are drawn.
 pub(crate) fn narrowest_first() -> impl Iterator<Item = StreetClass> {
-    use StreetClass::{Arterial, Highway, Local, Main, Major, Minor};
-    [Local, Minor, Main, Major, Arterial, Highway].into_iter()
+    use StreetClass::{Arterial, Highway, Local, Main, Major, Minor, Ramp};
+    [Ramp, Local, Minor, Main, Major, Arterial, Highway].into_iter()
 }

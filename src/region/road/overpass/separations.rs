@@ -19,7 +19,7 @@ enum Ramps {
     None,
     /// A two-way ramp between two vertices.
     TwoWay([usize; 2]),
-    Diamond(Diamond),
+    Diamond(Box<Diamond>),
 }
 
 /// A grade-separated crossing.
@@ -95,7 +95,7 @@ impl Separations<'_> {
         let mut hindrance = None;
         if rule == Crossing::Diamond {
             match self.ground.diamond(&cross)? {
-                Ok(diamond) => return of(Ramps::Diamond(diamond), None),
+                Ok(diamond) => return of(Ramps::Diamond(Box::new(diamond)), None),
                 Err(h) => hindrance = Some(h),
             }
         }
@@ -108,7 +108,8 @@ impl Separations<'_> {
                 Err(h) => hindrance = hindrance.or(Some(h)),
             }
         }
-        if (rule == Crossing::Bridge || toll) && (toll || self.is_unmerged(node)?) && !self.has_turn_at(&cross)? {
+        let bridges = toll || (rule == Crossing::Bridge && self.is_unmerged(node)?);
+        if bridges && !self.has_turn_at(&cross)? {
             return of(Ramps::None, hindrance);
         }
         no(hindrance.unwrap_or(Hindrance::Turn))
