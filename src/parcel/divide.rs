@@ -6,7 +6,7 @@ use crate::parcel::brief::ParcelBrief;
 use crate::parcel::footprints::{PARAPET, footprint, ground_floor, storeys};
 use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};
 use crate::parcel::lots::lots;
-use crate::space::{QUANTUM, quantize, stable_hash};
+use crate::space::{quantize, quantum_key, stable_hash};
 use glam::DVec2;
 
 /// Greatest length of a park's border without a street, in metres: streets of different widths leave a little at corners.
@@ -28,7 +28,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
     let shapes = blocks(brief.border, brief.streets);
     cancel.check()?;
     for shape in shapes {
-        let id = stable_hash(&[brief.id.0, word(shape.polygon[0]), word(shape.polygon[1])]);
+        let id = piece_id(brief.id.0, &shape.polygon);
         let mut rng = brief.seed.stream("parcel", &[brief.id.0, id]);
         let park = rng.chance(brief.rules.parks) && is_enclosed(&shape);
         let parcels = if park { Vec::new() } else { lots(&shape, brief.rules, &mut rng) };
@@ -36,7 +36,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
         out.blocks.push(Block { id, polygon: shape.polygon, land_use });
         for lot in parcels {
             let polygon: Vec<DVec2> = lot.polygon.iter().map(|p| quantize(*p)).collect();
-            let lot_id = stable_hash(&[id, word(polygon[0]), word(polygon[1])]);
+            let lot_id = piece_id(id, &polygon);
             let mut rng = brief.seed.stream("parcel", &[brief.id.0, lot_id]);
             let built = !rng.chance(brief.rules.vacant);
             if let Some(plan) = built.then(|| footprint(&lot, brief.rules, &mut rng)).flatten() {
@@ -63,8 +63,25 @@ fn is_enclosed(shape: &BlockShape) -> bool {
     (0..n).filter(|i| shape.fronts[*i].is_none()).map(edge).sum::<f64>() <= MOST_OPEN
 }
 
-/// A point of the quantum grid as one word.
-fn word(p: DVec2) -> u64 {
-    let [x, y] = (p / QUANTUM).round().to_array().map(|v| v as i64 as u64);
-    x ^ y.rotate_left(32)
+/// The id of a piece of the land that `whole` names. Pieces of one whole are disjoint, so that no two have the same first edge.
+fn piece_id(whole: u64, polygon: &[DVec2]) -> u64 {
+    let ([x, y], [u, v]) = (quantum_key(polygon[0]), quantum_key(polygon[1]));
+    stable_hash(&[whole, x, y, u, v])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::QUANTUM;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn pieces_on_opposite_sides_of_the_origin_have_their_own_ids() {
+        let at = |x: i32, y: i32| DVec2::new(f64::from(x), f64::from(y)) * QUANTUM;
+        let piece = |x: i32, y: i32| [at(x, y), at(x + 9, y)];
+        let ids: BTreeSet<u64> = (-9..9).flat_map(|x| (-9..9).map(move |y| piece_id(7, &piece(x, y)))).collect();
+        assert_eq!(ids.len(), 18 * 18);
+        // A point and its bitwise complement.
+        assert_ne!(piece_id(7, &[at(5, 7), at(9, 7)]), piece_id(7, &[at(-6, -8), at(-10, -8)]));
+    }
 }

@@ -5,16 +5,10 @@ use super::draft::Draft;
 use super::exceptions::{Finished, exceptions};
 use super::rounding::rounded;
 use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
-use crate::space::QUANTUM;
+use crate::space::quantum_key;
 use crate::streets::filler::{CellStreets, LocalStreet, MadeBy, StreetOrigin};
 use glam::DVec2;
 use std::sync::Arc;
-
-/// A position on the quantum grid as words of an id.
-fn words(p: DVec2) -> [u64; 2] {
-    let grid = (p / QUANTUM).round();
-    [grid.x as i64 as u64, grid.y as i64 as u64]
-}
 
 /// The streets of the finished cell, made by the filler of this name. `pieces` names what it laid, by the number in
 /// [`Maker::Piece`].
@@ -25,7 +19,7 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
     let name = |v: VertexIx| match draft.canvas.nodes[v as usize].port {
         Some(port) => draft.brief.ports[port].junction,
         None => {
-            let [x, y] = words(g.at(v));
+            let [x, y] = quantum_key(g.at(v));
             JunctionId::of(&[cell, x, y])
         }
     };
@@ -58,8 +52,8 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
         let ends = [vertices[0], vertices[vertices.len() - 1]];
         let class = vertices.iter().find_map(|v| draft.canvas.nodes[*v as usize].port);
         let class = class.map_or(StreetClass::Local, |port| draft.brief.ports[port].class);
-        let (first, second) = (words(line[0]), words(line[1]));
-        let last = words(line[line.len() - 1]);
+        let (first, second) = (quantum_key(line[0]), quantum_key(line[1]));
+        let last = quantum_key(line[line.len() - 1]);
         let id = StreetId::of(&[cell, first[0], first[1], second[0], second[1], last[0], last[1]]);
         let origin = match draft.canvas.maker(&chain) {
             Maker::Growth => StreetOrigin::Growth,
