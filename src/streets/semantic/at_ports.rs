@@ -5,7 +5,9 @@ use super::placement::Placement;
 use super::placer::{Placer, build};
 use crate::network::VertexIx;
 use crate::patch::{PatchDatabase, STRETCH, keeps_rules};
+use crate::seam::CellPort;
 use crate::streets::cell::{Draft, Join, NONE, RemovedStubs, has_stub};
+use crate::streets::filler::CellBrief;
 use glam::DVec2;
 
 /// Greatest distance from a port to where the drawing has the side street between two others that stand at ports, in metres.
@@ -14,37 +16,47 @@ const OFF_PORT: f64 = 8.0;
 /// Distance within which vertices of two elements that share a street are the same, in metres.
 const SAME: f64 = 7.0;
 
-/// Runs of ports along the sides of the cell, in order; only ports whose stubs are not built on.
-pub fn runs(draft: &Draft<'_>) -> Vec<Vec<usize>> {
-    let ports = draft.brief.ports;
-    let n = draft.brief.border.len();
-    let place = |i: usize| {
-        let on = |k: &usize| {
-            let (a, b) = (draft.brief.border[*k], draft.brief.border[(k + 1) % n]);
-            crate::space::distance_to_segment(ports[i].at, a, b)
+/// The ports of a cell in the order in which they lie along its sides.
+pub struct PortOrder(Vec<usize>);
+
+impl PortOrder {
+    /// The order of the ports of this cell.
+    pub fn of(brief: &CellBrief<'_>) -> Self {
+        let n = brief.border.len();
+        let place = |port: &CellPort| {
+            let on = |k: &usize| {
+                let (a, b) = (brief.border[*k], brief.border[(k + 1) % n]);
+                crate::space::distance_to_segment(port.at, a, b)
+            };
+            let edge = (0..n).min_by(|a, b| on(a).total_cmp(&on(b))).unwrap_or(0);
+            (edge, brief.border.get(edge).map_or(0.0, |a| a.distance(port.at)))
         };
-        let edge = (0..n).min_by(|a, b| on(a).total_cmp(&on(b))).unwrap_or(0);
-        (edge, draft.brief.border.get(edge).map_or(0.0, |a| a.distance(ports[i].at)))
-    };
-    let mut order: Vec<(usize, f64, usize)> =
-        (0..ports.len()).map(|i| (place(i), i)).map(|(p, i)| (p.0, p.1, i)).collect();
-    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    let mut runs: Vec<Vec<usize>> = Vec::new();
-    for (_, _, i) in order {
-        if !has_stub(&draft.canvas, draft.brief.ports.len(), i) {
-            continue;
-        }
-        let goes_on = runs.last().and_then(|r| r.last()).is_some_and(|&before: &usize| {
-            let (p, q) = (&ports[before], &ports[i]);
-            let step = q.at - p.at;
-            p.inward.dot(q.inward) > 0.9 && step.dot(p.inward).abs() < 0.3 * step.length()
+        let places: Vec<(usize, f64)> = brief.ports.iter().map(place).collect();
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by(|a, b| {
+            let (p, q) = (places[*a], places[*b]);
+            p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)).then(a.cmp(b))
         });
-        match runs.last_mut() {
-            Some(run) if goes_on => run.push(i),
-            _ => runs.push(vec![i]),
-        }
+        Self(order)
     }
-    runs
+
+    /// Runs of ports next to each other along straight sides, in order; only ports whose stubs are not built on.
+    pub fn runs(&self, draft: &Draft<'_>) -> Vec<Vec<usize>> {
+        let ports = draft.brief.ports;
+        let mut runs: Vec<Vec<usize>> = Vec::new();
+        for &i in self.0.iter().filter(|i| has_stub(&draft.canvas, ports.len(), **i)) {
+            let goes_on = runs.last().and_then(|r| r.last()).is_some_and(|&before: &usize| {
+                let (p, q) = (&ports[before], &ports[i]);
+                let step = q.at - p.at;
+                p.inward.dot(q.inward) > 0.9 && step.dot(p.inward).abs() < 0.3 * step.length()
+            });
+            match runs.last_mut() {
+                Some(run) if goes_on => run.push(i),
+                _ => runs.push(vec![i]),
+            }
+        }
+        runs
+    }
 }
 
 /// A patch whose side streets stand at ports.

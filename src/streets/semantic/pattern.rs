@@ -1,7 +1,7 @@
 //! Patterns: a patch repeated along a main street, between two main streets, or onwards from a candidate vertex (Teng
 //! 2017, sections 3.2 and 5).
 
-use super::at_ports::{across_ports, lay_at_ports, runs};
+use super::at_ports::{PortOrder, across_ports, lay_at_ports};
 use super::coarse::roughly_fits;
 use super::placement::Placement;
 use super::placer::{Placer, build};
@@ -27,7 +27,12 @@ pub struct Row {
 }
 
 /// Begins a cell with patterns where the style and the ports allow; returns the row that stands along a main street.
-pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>, rules: &StartRules) -> Option<Row> {
+pub fn start_with_patterns(
+    draft: &mut Draft<'_>,
+    placer: &mut Placer<'_>,
+    rules: &StartRules,
+    order: &PortOrder,
+) -> Option<Row> {
     let rooted = |main: bool| -> Vec<usize> {
         let patches = placer.patches;
         let of = |i: &usize| patches.facts(patches.patterns()[*i].element).main.is_some() == main;
@@ -36,7 +41,7 @@ pub fn start_with_patterns(draft: &mut Draft<'_>, placer: &mut Placer<'_>, rules
     let (along, between) = (rooted(true), rooted(false));
     let mut row = None;
     if !along.is_empty() && draft.rng.chance(rules.patterns_along) {
-        row = pattern_along(draft, placer, &along);
+        row = pattern_along(draft, placer, &along, order);
     }
     if !between.is_empty() && draft.rng.chance(rules.patterns_between) {
         pattern_between(draft, placer, &between);
@@ -53,7 +58,7 @@ fn pick_pattern(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) ->
 
 /// Lays a pattern along a main street. Its elements stand at ports next to each other. They have one scale across the street,
 /// and each is stretched along the street to meet its ports. Returns where the row stands, if there is one.
-fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) -> Option<Row> {
+fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize], order: &PortOrder) -> Option<Row> {
     let pick = pick_pattern(draft, placer, of)?;
     let patches = placer.patches;
     let entry = &patches.patterns()[pick];
@@ -67,7 +72,7 @@ fn pattern_along(draft: &mut Draft<'_>, placer: &mut Placer<'_>, of: &[usize]) -
     // Elements whose side streets stand at the ends of their main street have these in common.
     let shared = roots.len() > 1 && (width - from.distance(to)).abs() < 1.0;
     let per_element = roots.len();
-    let runs: Vec<Vec<usize>> = runs(draft).into_iter().filter(|r| r.len() >= per_element).collect();
+    let runs: Vec<Vec<usize>> = order.runs(draft).into_iter().filter(|r| r.len() >= per_element).collect();
     let advance = if shared { per_element - 1 } else { per_element };
     // Where a row can stand rather than one element.
     let room =
@@ -323,7 +328,10 @@ mod tests {
 
     #[test]
     fn patterns_stand_along_main_streets() {
-        let found = built(&Kit::all(), true, |draft, placer, of| drop(pattern_along(draft, placer, of)));
+        let found = built(&Kit::all(), true, |draft, placer, of| {
+            let order = PortOrder::of(draft.brief);
+            pattern_along(draft, placer, of, &order);
+        });
         let rows = found.iter().filter(|(elements, _)| *elements >= 2).count();
         assert!(rows * 8 > found.len(), "{rows} rows in {} cells", found.len());
         // Each element begins at a port of its own, or shares its side street with the one before.
