@@ -48,15 +48,21 @@ impl Proposal {
 
     /// Leaves out the points without an edge.
     pub fn drop_unused_points(&mut self) {
-        let used: Vec<bool> = (0..self.points.len()).map(|i| self.edges.iter().any(|e| e.0 == i || e.1 == i)).collect();
-        let slot: Vec<usize> = used.iter().scan(0, |n, u| (Some(*n), *n += usize::from(*u)).0).collect();
-        let mut keep = used.iter();
-        self.points.retain(|_| keep.next().is_some_and(|u| *u));
-        let mut keep = used.iter();
-        self.joins.retain(|_| keep.next().is_some_and(|u| *u));
-        let mut keep = used.iter();
-        self.shaped.retain(|_| keep.next().is_some_and(|u| *u));
-        self.edges.iter_mut().for_each(|e| *e = (slot[e.0], slot[e.1]));
+        let mut slots = vec![0; self.points.len()];
+        let mut kept = 0;
+        for (i, slot) in slots.iter_mut().enumerate() {
+            if self.edges.iter().any(|e| e.0 == i || e.1 == i) {
+                self.points[kept] = self.points[i];
+                self.joins[kept] = self.joins[i];
+                self.shaped[kept] = self.shaped[i];
+                *slot = kept;
+                kept += 1;
+            }
+        }
+        self.points.truncate(kept);
+        self.joins.truncate(kept);
+        self.shaped.truncate(kept);
+        self.edges.iter_mut().for_each(|e| *e = (slots[e.0], slots[e.1]));
     }
 
     /// Makes this proposal the street along `line`, whose ends join the network by `first` and `last`.
@@ -146,5 +152,24 @@ impl Proposal {
             }
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_without_an_edge_are_left_out() {
+        let mut p = Proposal::default();
+        for i in 0..6 {
+            p.push(DVec2::X * f64::from(i), if i == 4 { Join::At(9) } else { Join::Free(false) });
+        }
+        p.shaped[5] = true;
+        p.edges = vec![(5, 1), (4, 1)];
+        p.drop_unused_points();
+        assert_eq!(p.points, [1.0, 4.0, 5.0].map(|x| DVec2::X * x));
+        assert_eq!((&p.joins[1], &p.shaped[..]), (&Join::At(9), &[false, false, true][..]));
+        assert_eq!(p.edges, [(2, 0), (1, 0)]);
     }
 }
