@@ -1,13 +1,13 @@
 //! The contract of [`CellFiller`], held against every filler in many cells, by brute force on their final streets.
 
-use super::filler::{Cause, CellFiller, CellStreets, CellToFill, PinnedPiece, Rule};
+use super::filler::{Cause, CellFiller, CellStreets, CellToFill, Exception, PinnedPiece, Rule};
 use super::fillers::Fillers;
 use crate::layer::{Cancel, LayerError, Ranged};
 use crate::network::{JunctionId, Street};
-use crate::seam::APPROACH_LENGTH;
+use crate::seam::{APPROACH_LENGTH, CellPort};
 use crate::space::{
-    Seed, cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize, segment_crossing,
-    segment_distance, segments,
+    Seed, closest_on_segment, cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize,
+    segment_crossing, segment_distance, segments,
 };
 use crate::style::{Filler, LocalRules, Style};
 use crate::testing::{PortCell, patch_sets, styles};
@@ -224,7 +224,7 @@ fn every_cell_keeps_every_promise() {
 }
 
 /// Streets, junctions and pairs of streets that break a rule of the cell's style, found by brute force, each with a place; the
-/// clearance only of streets that are far from each other along the network.
+/// clearance only of streets that are far from each other along the network, and from a port of the main street.
 fn breaks(cell: &PortCell<'_>, out: &CellStreets) -> Vec<(Rule, DVec2)> {
     let rules = &cell.style.local;
     let least_angle = rules.min_angle_deg.to_radians() - 0.01;
@@ -250,27 +250,14 @@ fn breaks(cell: &PortCell<'_>, out: &CellStreets) -> Vec<(Rule, DVec2)> {
             found.push((Rule::Angle, ways[0].0));
         }
     }
-    // Junctions that are near each other along the streets: three times as far as streets may be, and where points were checked.
-    let far = 3.0 * rules.clearance + 6.5;
-    let near = |from: &Street| {
-        let mut reached: BTreeMap<JunctionId, f64> = BTreeMap::from([(from.from, 0.0), (from.to, 0.0)]);
-        for _ in 0..streets.len() {
-            for s in &streets {
-                for (a, b) in [(s.from, s.to), (s.to, s.from)] {
-                    let way = reached.get(&a).map_or(far, |d| d + s.length());
-                    if way < far && reached.get(&b).is_none_or(|d| way < *d) {
-                        reached.insert(b, way);
-                    }
-                }
-            }
-        }
-        reached
-    };
     for (i, a) in streets.iter().enumerate() {
         let close: Vec<_> =
             streets[..i].iter().filter(|b| line_distance(&a.line, &b.line) < rules.clearance - 0.2).collect();
-        let reached = if close.is_empty() { BTreeMap::new() } else { near(a) };
-        for b in close.into_iter().filter(|b| !reached.contains_key(&b.from) && !reached.contains_key(&b.to)) {
+        let ends = [(a.from, 0.0), (a.to, 0.0)];
+        // Three times as far as streets may be, and where points were checked.
+        let far = 3.0 * rules.clearance + 6.5;
+        let near = if close.is_empty() { BTreeMap::new() } else { reached(&streets, ends, far) };
+        for b in close.into_iter().filter(|b| !near.contains_key(&b.from) && !near.contains_key(&b.to)) {
             let points = b
                 .line
                 .iter()
@@ -278,8 +265,64 @@ fn breaks(cell: &PortCell<'_>, out: &CellStreets) -> Vec<(Rule, DVec2)> {
                 .min_by(|p, q| distance_to_line(*p, &a.line).total_cmp(&distance_to_line(*q, &a.line)));
             found.extend(points.map(|p| (Rule::Clearance, p)));
         }
+        // Each street is counted once, where it is nearest to one of its main streets.
+        let is_counted = |e: &Exception| e.rule == Rule::Clearance && distance_to_line(e.at, &a.line) < 0.1;
+        let at_border = break_at_border(cell, &streets, a).filter(|_| !out.exceptions.iter().any(is_counted));
+        found.extend(at_border.map(|at| (Rule::Clearance, at)));
     }
     found
+}
+
+/// The junctions that ways along the streets lead to from `ends`, each with the length of the way so far, if they are shorter than
+/// `far` metres.
+fn reached(streets: &[&Street], ends: [(JunctionId, f64); 2], far: f64) -> BTreeMap<JunctionId, f64> {
+    let mut reached: BTreeMap<JunctionId, f64> = BTreeMap::new();
+    for (end, way) in ends.into_iter().filter(|(_, way)| *way < far) {
+        let known = reached.entry(end).or_insert(way);
+        *known = known.min(way);
+    }
+    for _ in 0..streets.len() {
+        for s in streets {
+            for (a, b) in [(s.from, s.to), (s.to, s.from)] {
+                let way = reached.get(&a).map_or(far, |d| d + s.length());
+                if way < far && reached.get(&b).is_none_or(|d| way < *d) {
+                    reached.insert(b, way);
+                }
+            }
+        }
+    }
+    reached
+}
+
+/// Where a street is nearer to a main street around the cell than the clearance, although no port is near along the streets.
+fn break_at_border(cell: &PortCell<'_>, streets: &[&Street], street: &Street) -> Option<DVec2> {
+    let clearance = cell.style.local.clearance;
+    let n = cell.border.len();
+    let length = street.length();
+    let mut along = 0.0;
+    for (p, q) in segments(&street.line) {
+        for k in (0..n).filter(|k| cell.half[*k].is_some()) {
+            let (c, d) = (cell.border[k], cell.border[(k + 1) % n]);
+            let corners = [c, d].map(|at| closest_on_segment(at, p, q).1);
+            for x in [p, q].into_iter().chain(corners) {
+                let y = closest_on_segment(x, c, d).1;
+                if x.distance(y) >= clearance - 0.2 {
+                    continue;
+                }
+                // The main street may come as near as a third of the way to it, measured at points some metres apart.
+                let far = 3.0 * x.distance(y) + 8.0;
+                let before = along + p.distance(x);
+                let near = reached(streets, [(street.from, before), (street.to, length - before)], far);
+                let leads =
+                    |port: &CellPort| near.get(&port.junction).is_some_and(|way| way + port.at.distance(y) < far);
+                if !cell.ports.iter().any(leads) {
+                    return Some(x);
+                }
+            }
+        }
+        along += p.distance(q);
+    }
+    None
 }
 
 /// Cells of some styles whose local rules are drawn from all that they may be.
