@@ -28,6 +28,8 @@ pub enum Maker {
     Growth,
     /// Repair.
     Repair,
+    /// A street that connects a pinned piece, as near to others as streets may be at all: without it the piece would float.
+    Link,
     /// A piece that the filler laid, by a number of its own.
     Piece(u32),
 }

@@ -1,5 +1,6 @@
 //! Division: a street is laid across every block that is much larger than the style asks.
 
+use super::canvas::Maker;
 use super::draft::Draft;
 use super::free_grid::FreeGrid;
 use super::mend::{Mend, build_best, landing, off_by};
@@ -81,7 +82,7 @@ fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &
             }
         }
         draft.trial.swap_view();
-        let divided = build_best(draft, mends, &limits, TOGETHER);
+        let divided = build_best(draft, mends, &limits, TOGETHER, Maker::Repair);
         draft.trial.swap_view();
         divided
     })

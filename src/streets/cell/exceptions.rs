@@ -63,8 +63,20 @@ impl Inspection<'_, '_> {
         self.draft.canvas.nodes[v as usize].pinned
     }
 
+    /// Whether a street is of a pinned piece or connects one.
     fn has_pin(&self, street: usize) -> bool {
-        self.streets[street].vertices.iter().any(|v| self.is_pinned(*v))
+        let Finished { vertices, chain, .. } = &self.streets[street];
+        vertices.iter().any(|v| self.is_pinned(*v)) || chain.iter().any(|(e, _)| self.is_link(*e))
+    }
+
+    /// Whether an edge connects a pinned piece, as near to others as streets may be at all.
+    fn is_link(&self, edge: EdgeIx) -> bool {
+        self.draft.canvas.graph.edge(edge).data.by == Maker::Link
+    }
+
+    /// Whether a street that connects a pinned piece ends at a vertex.
+    fn is_linked(&self, v: VertexIx) -> bool {
+        self.draft.canvas.graph.edges_at(v).iter().any(|e| self.is_link(*e))
     }
 
     fn is_port(&self, v: VertexIx) -> bool {
@@ -90,7 +102,7 @@ impl Inspection<'_, '_> {
             let [port, other] = if self.is_port(b) { [b, a] } else { [a, b] };
             // A port whose street finds no way on, or only that to another port.
             let leads_nowhere = self.is_port(other) || self.draft.canvas.graph.degree(other) == 1;
-            let cause = if self.has_pin(i) {
+            let cause = if self.has_pin(i) || self.is_linked(a) || self.is_linked(b) {
                 Cause::Pin
             } else if self.is_port(port) && leads_nowhere {
                 Cause::Port
@@ -106,21 +118,31 @@ impl Inspection<'_, '_> {
     }
 
     fn junctions(&mut self) {
-        let mut around: BTreeMap<VertexIx, Vec<DVec2>> = BTreeMap::new();
+        // The ways that leave each vertex, and whether each connects a pinned piece.
+        let mut around: BTreeMap<VertexIx, Vec<(DVec2, bool)>> = BTreeMap::new();
         for street in self.streets {
             let n = street.line.len();
-            around.entry(street.ends[0]).or_default().push(street.line[1] - street.line[0]);
-            around.entry(street.ends[1]).or_default().push(street.line[n - 2] - street.line[n - 1]);
+            let is_link = |end: Option<&(EdgeIx, bool)>| end.is_some_and(|(e, _)| self.is_link(*e));
+            let first = (street.line[1] - street.line[0], is_link(street.chain.first()));
+            let last = (street.line[n - 2] - street.line[n - 1], is_link(street.chain.last()));
+            around.entry(street.ends[0]).or_default().push(first);
+            around.entry(street.ends[1]).or_default().push(last);
         }
+        let most = (self.draft.rules.local.degree.1 as usize).max(2);
         for (v, ways) in around {
             let at = self.draft.canvas.graph.at(v);
-            let cause = if self.is_pinned(v) { Cause::Pin } else { Cause::Defect };
-            if ways.len() > self.draft.rules.local.degree.1 as usize && ways.len() > 2 {
-                self.report(Rule::Degree, cause, at);
+            let cause = |by_link: bool| if by_link || self.is_pinned(v) { Cause::Pin } else { Cause::Defect };
+            let mut found = Vec::new();
+            if ways.len() > most {
+                let others = ways.iter().filter(|way| !way.1).count();
+                found.push((Rule::Degree, cause(others <= most)));
             }
-            if (0..ways.len()).any(|i| ways[..i].iter().any(|other| self.is_sharp(ways[i], *other))) {
-                self.report(Rule::Angle, cause, at);
+            let pairs = ways.iter().enumerate().flat_map(|(i, a)| ways[..i].iter().map(move |b| (a, b)));
+            let sharp: Vec<bool> = pairs.filter(|(a, b)| self.is_sharp(a.0, b.0)).map(|(a, b)| a.1 || b.1).collect();
+            if !sharp.is_empty() {
+                found.push((Rule::Angle, cause(sharp.iter().all(|by_link| *by_link))));
             }
+            found.into_iter().for_each(|(rule, cause)| self.report(rule, cause, at));
         }
     }
 

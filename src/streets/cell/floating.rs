@@ -1,5 +1,6 @@
 //! Floating streets: streets that no way connects to a port are connected to the rest.
 
+use super::canvas::Maker;
 use super::draft::Draft;
 use super::mend::{Mend, build_best, landing};
 use super::obstacle::NONE;
@@ -33,22 +34,23 @@ pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
         let Some(anchor) = anchors.iter().find(|v| floats(draft, &components, **v)) else { return };
         let part = components[*anchor as usize];
         let (rules, closest) = (draft.rules.repair, draft.rules.closest);
-        if connect_part(draft, &components, part, &rules) {
-            continue;
-        }
-        if !connect_part(draft, &components, part, &closest) {
+        if !connect_part(draft, &components, part, &rules, Maker::Repair)
+            && !connect_part(draft, &components, part, &closest, Maker::Link)
+        {
             return;
-        }
-        // What breaks a rule here does so for the sake of the pinned piece.
-        for v in &draft.trial.built {
-            draft.canvas.nodes[*v as usize].pinned = true;
         }
     }
 }
 
 /// Builds the cheapest street from the component `part` of the graph to another component. It begins at a dead end or at the
 /// side of a street.
-fn connect_part(draft: &mut Draft<'_>, components: &[Option<u32>], part: Option<u32>, limits: &Limits) -> bool {
+fn connect_part(
+    draft: &mut Draft<'_>,
+    components: &[Option<u32>],
+    part: Option<u32>,
+    limits: &Limits,
+    maker: Maker,
+) -> bool {
     let g = &draft.canvas.graph;
     let of_part: Vec<EdgeIx> = g.edges().filter(|(_, e)| components[e.a as usize] == part).map(|(i, _)| i).collect();
     let bounds = Bounds::of(of_part.iter().flat_map(|e| <[DVec2; 2]>::from(g.segment(*e))));
@@ -90,5 +92,54 @@ fn connect_part(draft: &mut Draft<'_>, components: &[Option<u32>], part: Option<
             }
         }
     }
-    build_best(draft, mends, limits, TRIES)
+    build_best(draft, mends, limits, TRIES, maker)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::growth::propagate;
+    use super::super::output::finish;
+    use super::super::stubs::{grow_from_stubs, lay_stubs};
+    use super::*;
+    use crate::layer::Cancel;
+    use crate::space::{centroid, distance_to_segment, math::direction, point_in_polygon};
+    use crate::streets::filler::Cause;
+    use crate::testing::{PortCell, styles};
+
+    #[test]
+    fn a_link_pins_no_street_that_was_there() {
+        let styles = styles();
+        let mut links = 0;
+        for seed in 0..40 {
+            let cell = PortCell::new(seed, &styles);
+            let brief = cell.brief();
+            let mut draft = Draft::new(&brief);
+            lay_stubs(&mut draft);
+            grow_from_stubs(&mut draft);
+            propagate(&mut draft, &Cancel::new(), |_, _, _, _| false).expect("nobody cancels");
+            // A piece in the middle of a block, from which no street may lead that keeps to the rules.
+            let closest = draft.rules.closest;
+            let place = |k: u32| centroid(&cell.border) + direction(f64::from(k)) * (8.0 * f64::from(k));
+            let ends = |k: u32| [place(k), place(k) + direction(f64::from(k)) * 20.0];
+            let lay = |k: &u32| {
+                draft.gather(place(*k), 100.0);
+                draft.trial.proposal.line(&ends(*k), Join::Free(true), Join::Free(true));
+                point_in_polygon(place(*k), &cell.border) && draft.build_if_fits(&closest, Maker::Piece(0))
+            };
+            let Some([from, to]) = (0..20).find(lay).map(ends) else { continue };
+            let piece = draft.trial.built.clone();
+            piece.iter().for_each(|v| draft.canvas.nodes[*v as usize].pinned = true);
+            draft.rules.repair = Limits { min_piece: 500.0, ..draft.rules.repair };
+            connect_floating(&mut draft, &piece);
+            let g = &draft.canvas.graph;
+            links += g.edges().filter(|(_, e)| e.data.by == Maker::Link).count();
+            for v in g.vertices().filter(|v| draft.canvas.nodes[*v as usize].pinned) {
+                assert!(distance_to_segment(g.at(v), from, to) < 0.1, "cell {seed}: a pin at {}", g.at(v));
+            }
+            let out = finish(&draft, "", &["piece".into()]);
+            let defects: Vec<_> = out.exceptions.iter().filter(|e| e.cause == Cause::Defect).collect();
+            assert!(defects.is_empty(), "cell {seed}: {defects:?}");
+        }
+        assert!(links > 10, "{links} links");
+    }
 }

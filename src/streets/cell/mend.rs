@@ -75,13 +75,13 @@ pub fn off_by(draft: &Draft<'_>, off: f64) -> f64 {
 }
 
 /// Builds the cheapest of `mends` that keeps to `limits`, after at most `tries` checks; returns whether one was built.
-pub fn build_best(draft: &mut Draft<'_>, mut mends: Vec<Mend>, limits: &Limits, tries: usize) -> bool {
+pub fn build_best(draft: &mut Draft<'_>, mut mends: Vec<Mend>, limits: &Limits, tries: usize, maker: Maker) -> bool {
     mends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     // Where a street lands may turn its bend sharper than it was aimed.
     mends.retain(|m| m.bend_cosine() <= limits.junction_cosine);
     for m in mends.into_iter().take(tries) {
         draft.trial.proposal.line(&m.line[..m.points], m.first, m.last);
-        if draft.build_if_fits(limits, Maker::Repair) {
+        if draft.build_if_fits(limits, maker) {
             return true;
         }
     }

@@ -57,7 +57,7 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
         let id = StreetId::of(&[cell, first[0], first[1], second[0], second[1], last[0], last[1]]);
         let origin = match draft.canvas.maker(&chain) {
             Maker::Growth => StreetOrigin::Growth,
-            Maker::Repair => StreetOrigin::Repair,
+            Maker::Repair | Maker::Link => StreetOrigin::Repair,
             Maker::Piece(number) => StreetOrigin::Piece(pieces[number as usize].clone()),
         };
         let line = rounded(&draft.canvas, &draft.rules, &vertices, line);

@@ -106,7 +106,7 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
             }
         }
     }
-    build_best(draft, mends, &limits, TRIES)
+    build_best(draft, mends, &limits, TRIES, Maker::Repair)
 }
 
 /// Angles in radians from `onward` at which streets from `from` meet others within `reach` metres square, for a style may allow
