@@ -50,6 +50,7 @@
 
 mod check;
 mod database;
+mod drawing;
 mod file;
 #[cfg(test)]
 mod library;
@@ -62,9 +63,11 @@ mod sheet;
 pub mod tag;
 
 pub use database::{Passage, PatchDatabase, PatchFacts, PatternEntry};
+pub(crate) use drawing::keeps_rules;
+pub use drawing::{DrawingRules, Flaw, STRETCH};
 pub use semantics::MainLine;
 pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
-pub use shape::{ArmSample, DrawingRules, LEAST_ARM, PatchShape, PatchView, SECTORS, STRETCH, SectorReach};
-pub(crate) use shape::{in_sectors, keeps_rules};
+pub(crate) use shape::in_sectors;
+pub use shape::{ArmSample, LEAST_ARM, PatchShape, PatchView, SECTORS, SectorReach};
 #[cfg(feature = "cli")]
 pub use sheet::draw_sheet;

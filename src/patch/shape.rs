@@ -1,14 +1,9 @@
-//! The geometry of a patch taken apart as a filler needs it: what may be cut back, what may not, and whether its streets
-//! keep the distances that a filler keeps.
+//! The geometry of a patch taken apart as a filler needs it: what may be cut back and what may not.
 
-use crate::network::STREET_FLOOR;
-use crate::patch::{Connectable, Patch, tag};
-use crate::space::{line_length, math, point_at, segment_distance, segments};
+use crate::patch::{Connectable, DrawingRules, Patch, tag};
+use crate::space::{line_length, math, point_at, segments};
 use glam::{DVec2, Vec2, Vec4};
 use std::f64::consts::TAU;
-
-/// Greatest change of a patch's size when it is fitted between two vertices, as a share.
-pub const STRETCH: f64 = 0.12;
 
 /// Least length that is left of an arm when it is cut back, in metres.
 pub const LEAST_ARM: f64 = 22.0;
@@ -18,20 +13,6 @@ const SAMPLE: f64 = 12.0;
 
 /// Greatest distance between two samples along the part of an arm that may be cut back.
 const ARM_SAMPLE: f64 = 6.0;
-
-/// What a style asks of the drawing of a patch (Teng 2017, section 3.3), besides what is asked of every drawing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawingRules {
-    /// Cosine of the least angle between two streets at a vertex, and between two parts of a street.
-    pub cosine: f64,
-    /// Greatest number of streets at a vertex.
-    pub most_streets: usize,
-}
-
-impl DrawingRules {
-    /// What asks for nothing.
-    const NONE: Self = Self { cosine: 1.0, most_streets: usize::MAX };
-}
 
 /// The geometry of a patch, taken apart. Main streets are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,8 +26,8 @@ pub struct PatchShape {
     pub arms: Vec<Vec<usize>>,
     /// For each vertex whether it is such an end.
     pub is_end: Vec<bool>,
-    /// Whether the streets keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, and are
-    /// not too short, even when the patch is made smaller by [`STRETCH`].
+    /// Whether the streets keep [`STREET_FLOOR`](crate::network::STREET_FLOOR) among themselves, meet at angles of about 40 degrees or more, and are
+    /// not too short, even when the patch is made smaller by [`STRETCH`](crate::patch::STRETCH).
     pub sound: bool,
     /// For each vertex whether it lies on a curve that is drawn on purpose, which keeps its shape: on the ring of a roundabout, or
     /// on a street that makes the patch a curved one ([`tag::CURVED`](crate::patch::tag::CURVED)) and is no end of that street from which the network goes on.
@@ -110,7 +91,7 @@ impl PatchShape {
         }
         shape.samples.sort_by(|a, b| b.length_squared().total_cmp(&a.length_squared()));
         shape.samples.dedup();
-        shape.sound = is_sound(patch);
+        shape.sound = patch.flaw(&DrawingRules::NONE).is_none();
         shape.shaped = patch.shaped_vertices();
         shape.round = patch.tags.contains(tag::ROUNDABOUT);
         shape.most_streets = around.iter().map(Vec::len).max().unwrap_or(0);
@@ -218,75 +199,4 @@ fn samples_along(line: &[DVec2], from: f64, step: f64) -> Vec<ArmSample> {
         ArmSample { at: at.as_vec2(), heading: heading.as_vec2(), along: along as f32, back: back as f32 }
     };
     (0..=parts).rev().map(sample).collect()
-}
-
-/// Whether the streets of a patch keep the rules among themselves, even when it is made smaller.
-fn is_sound(patch: &Patch) -> bool {
-    let edges: Vec<(usize, usize)> = patch.edges.iter().filter(|e| !e.main).map(|e| (e.a, e.b)).collect();
-    keeps_rules(&patch.vertices, &edges, 1.0 / (1.0 - STRETCH), &DrawingRules::NONE)
-}
-
-/// Whether streets between `points` keep [`STREET_FLOOR`] among themselves, meet at angles of about 40 degrees or more, are
-/// not too short, and keep to `rules`; distances are `larger` times what they must be.
-pub(crate) fn keeps_rules(points: &[DVec2], edges: &[(usize, usize)], larger: f64, rules: &DrawingRules) -> bool {
-    let least = STREET_FLOOR * larger;
-    let at = |v: usize| points[v];
-    let mut degrees = vec![0u32; points.len()];
-    for (a, b) in edges {
-        degrees[*a] += 1;
-        degrees[*b] += 1;
-    }
-    if degrees.iter().any(|d| *d as usize > rules.most_streets) {
-        return false;
-    }
-    let degree = |v: usize| degrees[v];
-    // Streets: runs of edges between vertices of other degree than 2.
-    let mut street = vec![usize::MAX; edges.len()];
-    let mut ends: Vec<[usize; 2]> = Vec::new();
-    for i in 0..edges.len() {
-        if street[i] != usize::MAX {
-            continue;
-        }
-        let id = ends.len();
-        street[i] = id;
-        let mut length = at(edges[i].0).distance(at(edges[i].1));
-        let mut reached = [edges[i].0, edges[i].1];
-        for end in &mut reached {
-            while degree(*end) == 2 {
-                let Some(next) =
-                    (0..edges.len()).find(|k| street[*k] == usize::MAX && (edges[*k].0 == *end || edges[*k].1 == *end))
-                else {
-                    break;
-                };
-                street[next] = id;
-                length += at(edges[next].0).distance(at(edges[next].1));
-                *end = if edges[next].0 == *end { edges[next].1 } else { edges[next].0 };
-            }
-        }
-        ends.push(reached);
-        if length < 16.0 * larger && reached.iter().all(|v| degree(*v) > 2) {
-            return false;
-        }
-    }
-    edges.iter().enumerate().all(|(i, e)| {
-        edges[..i].iter().enumerate().all(|(k, f)| {
-            let (e0, e1, f0, f1) = (at(e.0), at(e.1), at(f.0), at(f.1));
-            let (low, high) = (e0.min(e1) - least, e0.max(e1) + least);
-            if low.cmpgt(f0.max(f1)).any() || f0.min(f1).cmpgt(high).any() {
-                return true;
-            }
-            let meet = [e.0, e.1].into_iter().find(|v| *v == f.0 || *v == f.1);
-            let apart = || segment_distance(e0, e1, f0, f1);
-            if let Some(v) = meet {
-                let arm = |x: &(usize, usize)| (at(if x.0 == v { x.1 } else { x.0 }) - at(v)).normalize_or_zero();
-                let cosine = arm(e).dot(arm(f));
-                return cosine < if degree(v) == 2 { 0.3 } else { 0.75 } && cosine <= rules.cosine;
-            }
-            if street[i] == street[k] {
-                return apart() > 4.0;
-            }
-            let joined = ends[street[i]].iter().any(|v| degree(*v) > 2 && ends[street[k]].contains(v));
-            apart() >= if joined { 4.0 } else { least }
-        })
-    })
 }
