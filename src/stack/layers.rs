@@ -151,8 +151,9 @@ impl Stack {
             let seams = seam::seams(self.seed, &plan.town, &styles(&plan), &across);
             let mains = seam::main_network(&plan.town, &seams);
             let shared = seam::shared_streets(&plan.town, &seams);
-            let fillers = self.prepare(&plan, &seams)?;
-            Ok(SeamedTown { town: plan.town.clone(), styles: plan.cells.clone(), fillers, seams, mains, shared })
+            let (fillers, short_counts) = self.prepare(&plan, &seams)?;
+            let (town, styles) = (plan.town.clone(), plan.cells.clone());
+            Ok(SeamedTown { town, styles, fillers, short_counts, seams, mains, shared })
         })
     }
 

@@ -8,14 +8,19 @@ use crate::edits::{EditList, RejectedEdit};
 use crate::layer::{Cancel, LayerError};
 use crate::seam::Seam;
 use crate::space::point_in_polygon;
-use crate::streets::{CellToFill, PinnedPiece};
+use crate::streets::{CellToFill, PinnedPiece, ShortCount};
 use crate::town::{CellUse, MainCell, Town};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
 impl Stack {
     /// Prepares what fills the main cells of a town, with the pieces that the user pinned in them.
-    pub(super) fn prepare(&self, plan: &Planned, seams: &[Seam]) -> Result<Vec<Option<PreparedCell>>, LayerError> {
+    /// Besides, returns the counts that the town does not keep.
+    pub(super) fn prepare(
+        &self,
+        plan: &Planned,
+        seams: &[Seam],
+    ) -> Result<(Vec<Option<PreparedCell>>, Vec<ShortCount>), LayerError> {
         let town = &*plan.town;
         let mut wishes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (index, edit) in self.pins.iter().enumerate() {
@@ -50,10 +55,11 @@ impl Stack {
             styles.push(self.styles.of(&fringe.style)?);
         }
         let mut out = vec![None; town.cells.len()];
-        for (cell, filler) in built.iter().zip(self.fillers.prepare(&styles, cells)?) {
+        let filled = self.fillers.prepare(&styles, cells)?;
+        for (cell, filler) in built.iter().zip(filled.fillers) {
             out[*cell] = Some(PreparedCell { filler, edits: wishes.remove(cell).unwrap_or_default() });
         }
-        Ok(out)
+        Ok((out, filled.short_counts))
     }
 
     /// The edits that pin a patch which cannot stand, with the reason; in the order of the list.

@@ -6,7 +6,7 @@ use crate::network::{Junction, JunctionId, Network, Street, StreetId};
 use crate::parcel::CellParcels;
 use crate::seam::{self, Seam};
 use crate::space::Origin;
-use crate::streets::{CellFiller, CellStreets, Exception};
+use crate::streets::{CellFiller, CellStreets, Exception, ShortCount};
 use crate::town::Town;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -21,6 +21,8 @@ pub struct SeamedTown {
     pub styles: Vec<CellStyle>,
     /// What fills each main cell; `None` for cells without local streets.
     pub fillers: Vec<Option<PreparedCell>>,
+    /// The counts of its styles that the town does not keep.
+    pub short_counts: Vec<ShortCount>,
     /// Seams, one for each main street.
     pub seams: Vec<Seam>,
     /// The main streets divided at the ports.
@@ -67,7 +69,8 @@ impl Weigh for SeamedTown {
         let shared = self.shared.len() * 48;
         let styles: usize = self.styles.iter().map(weigh_style).sum();
         let fillers = self.fillers.iter().flatten().map(|cell| cell.filler.bytes() + 8 * cell.edits.len());
-        styles + fillers.sum::<usize>() + ports + shared + weigh_network(&self.mains)
+        let short: usize = self.short_counts.iter().map(|s| 64 + s.style.len() + s.piece.len()).sum();
+        styles + short + fillers.sum::<usize>() + ports + shared + weigh_network(&self.mains)
     }
 }
 
@@ -75,7 +78,10 @@ impl Weigh for CellStreets {
     fn bytes(&self) -> usize {
         let streets: usize = self.streets.iter().map(|s| s.street.bytes()).sum();
         let unmet = self.unmet.len() * size_of::<JunctionId>();
-        streets + self.junctions.len() * size_of::<Junction>() + unmet + self.exceptions.len() * size_of::<Exception>()
+        // The names are shared.
+        let pieces = 16 * self.missing.len() + 24 * self.laid.len();
+        let exceptions = self.exceptions.len() * size_of::<Exception>();
+        streets + self.junctions.len() * size_of::<Junction>() + unmet + pieces + exceptions
     }
 }
 

@@ -198,7 +198,7 @@ fn prepared(fillers: &Fillers, cell: &PortCell<'_>, pinned: Vec<PinnedPiece>) ->
     let styles = [(Arc::new(cell.style.clone()), 1.0)];
     let to_fill = CellToFill { brief: cell.brief(), style: cell.style, styles: &styles, pinned };
     let mut prepared = fillers.prepare(&[cell.style], vec![to_fill]).expect("every style is there");
-    prepared.pop().expect("one for each cell")
+    prepared.fillers.pop().expect("one for each cell")
 }
 
 fn fill(fillers: &Fillers, cell: &PortCell<'_>) -> CellStreets {

@@ -58,17 +58,39 @@ pub struct CellToFill<'a> {
 
 /// The main cells of a town that name the same filler.
 pub struct TownToFill<'a> {
-    /// The styles of the town itself: what they count holds for the whole town.
+    /// The styles of the town itself. What another style asks for at least is not asked of this town, even if a part of it reaches
+    /// in at the border.
     pub styles: Vec<&'a Style>,
     /// The cells.
     pub cells: Vec<CellToFill<'a>>,
 }
 
+/// What fills the main cells of a town.
+#[derive(Clone, Debug, Default)]
+pub struct FilledTown {
+    /// What fills each cell, in the order of [`TownToFill::cells`].
+    pub fillers: Vec<Arc<dyn CellFiller>>,
+    /// The counts that the town does not keep.
+    pub short_counts: Vec<ShortCount>,
+}
+
+/// A piece of which fewer stand in a town than a style asks for at least: its main cells have no room for more.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShortCount {
+    /// Name of the style.
+    pub style: String,
+    /// Name of the piece.
+    pub piece: String,
+    /// Number of main cells in which it should stand ([`PatchCount::at_least`](crate::style::PatchCount::at_least)).
+    pub at_least: u32,
+    /// Number of main cells of the style in which it does.
+    pub stands: u32,
+}
+
 /// A filler with the rules and assets that it needs in a world, made once for the world's styles and assets.
 pub trait Filler: Send + Sync {
-    /// Prepares the filler for the cells of a town: one [`CellFiller`] for each of [`TownToFill::cells`], in order. It is a
-    /// pure function of the town, the styles and the assets.
-    fn prepare(&self, town: &TownToFill<'_>) -> Result<Vec<Arc<dyn CellFiller>>, LayerError>;
+    /// Prepares the filler for the cells of a town. It is a pure function of the town, the styles and the assets.
+    fn prepare(&self, town: &TownToFill<'_>) -> Result<FilledTown, LayerError>;
 
     /// Whether there is a piece of this name that can be pinned.
     fn has_piece(&self, name: &str) -> bool;
@@ -127,6 +149,10 @@ pub struct CellStreets {
     pub unmet: Vec<JunctionId>,
     /// Pinned pieces that were left out, in order.
     pub left_out: Vec<LeftOut>,
+    /// Names of the pieces that should stand here because a style counts them, and that no street could reach.
+    pub missing: Vec<Arc<str>>,
+    /// How often each piece was laid, by its name, whatever repair and fairing left of it. Pieces that were not are not named.
+    pub laid: Vec<(Arc<str>, u32)>,
     /// Where the streets break a rule of the style.
     pub exceptions: Vec<Exception>,
 }

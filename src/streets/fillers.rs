@@ -1,6 +1,6 @@
 //! Which filler a style's `filler` stands for.
 
-use super::filler::{CellFiller, CellToFill, Filler, TownToFill};
+use super::filler::{CellFiller, CellToFill, FilledTown, Filler, TownToFill};
 use super::parametric::Parametric;
 use super::semantic::SemanticPatches;
 use crate::layer::LayerError;
@@ -35,11 +35,8 @@ impl Fillers {
 
     /// Prepares the fillers of a town's cells, each the one that the cell's style names, in the order of `cells`. `styles`
     /// are the styles of the town itself.
-    pub fn prepare(
-        &self,
-        styles: &[&Style],
-        cells: Vec<CellToFill<'_>>,
-    ) -> Result<Vec<Arc<dyn CellFiller>>, LayerError> {
+    pub fn prepare(&self, styles: &[&Style], cells: Vec<CellToFill<'_>>) -> Result<FilledTown, LayerError> {
+        let mut short_counts = Vec::new();
         let mut out: Vec<Option<Arc<dyn CellFiller>>> = vec![None; cells.len()];
         let mut cells: Vec<(usize, CellToFill<'_>)> = cells.into_iter().enumerate().collect();
         for filler in style::Filler::ALL {
@@ -48,10 +45,11 @@ impl Fillers {
             let here: Vec<(usize, CellToFill<'_>)> = here;
             let (places, here): (Vec<usize>, Vec<CellToFill<'_>>) = here.into_iter().unzip();
             let prepared = self.of(filler).prepare(&TownToFill { styles: styles.to_vec(), cells: here })?;
-            for (place, filler) in places.into_iter().zip(prepared) {
+            for (place, filler) in places.into_iter().zip(prepared.fillers) {
                 out[place] = Some(filler);
             }
+            short_counts.extend(prepared.short_counts);
         }
-        Ok(out.into_iter().flatten().collect())
+        Ok(FilledTown { fillers: out.into_iter().flatten().collect(), short_counts })
     }
 }

@@ -21,8 +21,8 @@ mod parametric;
 mod semantic;
 
 pub use filler::{
-    Cause, CellBrief, CellFiller, CellStreets, CellToFill, Exception, Filler, LeftOut, LocalStreet, MadeBy,
-    PinnedPiece, Rule, StreetOrigin, TownToFill,
+    Cause, CellBrief, CellFiller, CellStreets, CellToFill, Exception, FilledTown, Filler, LeftOut, LocalStreet, MadeBy,
+    PinnedPiece, Rule, ShortCount, StreetOrigin, TownToFill,
 };
 pub use fillers::Fillers;
 pub use parametric::Parametric;

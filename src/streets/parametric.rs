@@ -2,7 +2,7 @@
 //! and are mended. It lays no pieces and needs no assets.
 
 use super::cell::{Draft, finish, grow_from_stubs, lay_stubs, make_fair, propagate, repair};
-use super::filler::{CellBrief, CellFiller, CellStreets, Filler, LeftOut, TownToFill};
+use super::filler::{CellBrief, CellFiller, CellStreets, FilledTown, Filler, LeftOut, TownToFill};
 use crate::layer::{Cancel, LayerError, Weigh};
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ pub struct Parametric {
 }
 
 impl Filler for Parametric {
-    fn prepare(&self, town: &TownToFill<'_>) -> Result<Vec<Arc<dyn CellFiller>>, LayerError> {
+    fn prepare(&self, town: &TownToFill<'_>) -> Result<FilledTown, LayerError> {
         let cells = town.cells.iter().map(|cell| Arc::new(Self { pinned: cell.pinned.len() }) as Arc<dyn CellFiller>);
-        Ok(cells.collect())
+        Ok(FilledTown { fillers: cells.collect(), short_counts: Vec::new() })
     }
 
     fn has_piece(&self, _: &str) -> bool {

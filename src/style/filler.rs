@@ -24,10 +24,12 @@ impl Filler {
 pub struct PatchCount {
     /// Name of the patch.
     pub patch: String,
-    /// Number of main cells in which it stands in any case, as far as there are cells that have room for it.
+    /// Number of main cells of this style in which it stands in any case, as far as there are cells that have room for it. What
+    /// falls short is said ([`ShortCount`](crate::streets::ShortCount)).
     #[serde(default)]
     pub at_least: u32,
-    /// Greatest number of times that it is used in the settlement, once in a main cell; no limit when not given.
+    /// Greatest number of times that it is used in the settlement's main cells of this style, once in a cell; no limit when not
+    /// given. A cell that is mixed of several styles keeps to the counts of each.
     #[serde(default)]
     pub at_most: Option<u32>,
     /// What its weight is multiplied by: 0 to 1000.

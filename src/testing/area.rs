@@ -118,6 +118,8 @@ pub(crate) fn area(centre: DVec2) -> AreaCase {
         outlines: vec![outline.clone()],
         unmet_ports: 0,
         exceptions: Vec::new(),
+        short_counts: Vec::new(),
+        missing: Vec::new(),
     };
     AreaCase { area, outlines: vec![outline], terrain: Hills(origin.plan()) }
 }

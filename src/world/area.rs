@@ -6,7 +6,8 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::region::{Outline, Settlement};
 use crate::space::{Bounds, ChunkCoord, Origin};
 use crate::stack::{PlacedStreet, Stack, owner_of, street_owner};
-use crate::streets::Exception;
+use crate::streets::{Exception, ShortCount};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A thing and the chunk that owns it.
@@ -43,6 +44,10 @@ pub struct Area {
     pub unmet_ports: usize,
     /// Where the streets of these cells break a rule of their style.
     pub exceptions: Vec<Exception>,
+    /// The counts of styles that the towns of these cells do not keep.
+    pub short_counts: Vec<ShortCount>,
+    /// Names of pieces that should stand in these cells because a style counts them, and that no street could reach.
+    pub missing: Vec<Arc<str>>,
 }
 
 impl Area {
@@ -60,6 +65,8 @@ impl Area {
             outlines: Vec::new(),
             unmet_ports: 0,
             exceptions: Vec::new(),
+            short_counts: Vec::new(),
+            missing: Vec::new(),
         }
     }
 
@@ -76,12 +83,17 @@ impl Area {
             let at = found.item.at + found.origin.offset_to(origin);
             area.junctions.push(Owned { chunk: owner_of(origin, at, size), item: Junction { at, ..found.item } });
         }
+        let mut towns = BTreeSet::new();
         for (town, cell) in overlap.cells {
             cancel.check()?;
             let (from, offset) = (town.town.origin, town.town.origin.offset_to(origin));
             let chunk = owner_of(from, town.town.cells[cell].anchor, size);
             let streets = stack.streets(&town, cell, cancel)?;
             area.unmet_ports += streets.unmet.len();
+            area.missing.extend(streets.missing.iter().cloned());
+            if towns.insert(town.town.settlement.id) {
+                area.short_counts.extend(town.short_counts.iter().cloned());
+            }
             area.exceptions.extend(streets.exceptions.iter().map(|e| Exception { at: e.at + offset, ..*e }));
             let parcels = stack.parcels(&town, cell, cancel)?;
             area.blocks.extend(parcels.blocks.iter().map(|b| Owned { chunk, item: b.moved(offset) }));

@@ -52,6 +52,7 @@ pub fn run(common: &Common, args: &StatsArgs) -> Result<(), Fail> {
 ///   of blocks, parks included; `building_cover_of_square` is the area of buildings over the area of the square.
 /// - `exceptions` counts where local streets break a rule of their style, by rule and then by cause: a port, a pinned patch, the
 ///   drawing of a patch, a cell that is too narrow for the rule, or none (a defect).
+/// - `short_counts` lists what falls short of the `at_least` of a style in the towns whose cells overlap the square.
 /// - `crossings_without_junction` concerns all streets that overlap the square.
 fn figures(area: &Area) -> Map<String, Value> {
     let square = area.bounds.moved(-area.origin.plan());
@@ -107,6 +108,7 @@ fn figures(area: &Area) -> Map<String, Value> {
         "components_in_square": alone,
         "unmet_ports": area.unmet_ports,
         "exceptions": exceptions_json(&exceptions(area)),
+        "short_counts": short_counts(area),
         "crossings_without_junction": crossings(&all.streets.iter().collect::<Vec<_>>()).len(),
         "buildings": buildings.len(),
         "building_cover": if blocks_area > 0.0 { built / blocks_area } else { 0.0 },
@@ -116,6 +118,16 @@ fn figures(area: &Area) -> Map<String, Value> {
         Value::Object(map) => map,
         _ => Map::new(),
     }
+}
+
+/// What falls short of the least counts of styles: in whole towns, and in cells where no street could reach a patch.
+fn short_counts(area: &Area) -> Value {
+    let towns = area
+        .short_counts
+        .iter()
+        .map(|s| json!({ "style": s.style, "patch": s.piece, "at_least": s.at_least, "stands": s.stands }));
+    let cells = area.missing.iter().map(|patch| json!({ "patch": **patch, "at_least": 1, "stands": 0 }));
+    towns.chain(cells).collect()
 }
 
 /// Exceptions as an object of rules, each an object of causes and counts.
@@ -271,6 +283,11 @@ fn lines(report: &Value) -> String {
         let _ = writeln!(out, "{title:27}{:>12} {unit}", number(&report[key]));
     }
     let _ = writeln!(out, "{:27} {}", "exceptions to rules", exceptions_line(&report["exceptions"]));
+    for short in report["short_counts"].as_array().into_iter().flatten() {
+        let (patch, style) = (short["patch"].as_str().unwrap_or_default(), short["style"].as_str().unwrap_or("a cell"));
+        let (stands, least) = (&short["stands"], &short["at_least"]);
+        let _ = writeln!(out, "{:27} {patch} in {style}: {stands} of {least}", "too few");
+    }
     for (key, row) in [("degree", "junctions by degree"), ("timing_ms", "ms, one thread")] {
         let parts = report[key].as_object().into_iter().flatten().map(|(k, v)| format!("{k}: {v}"));
         let _ = writeln!(out, "{row:27} {}", parts.collect::<Vec<_>>().join("  "));
@@ -310,6 +327,8 @@ mod tests {
             outlines: Vec::new(),
             unmet_ports: 0,
             exceptions: Vec::new(),
+            short_counts: Vec::new(),
+            missing: Vec::new(),
         }
     }
 

@@ -8,7 +8,7 @@ use super::prepared::PatchFiller;
 use crate::layer::{LayerCache, LayerError, Weigh};
 use crate::patch::{Patch, PatchDatabase, PatchSet};
 use crate::space::quantize;
-use crate::streets::filler::{CellFiller, CellToFill, Filler, TownToFill};
+use crate::streets::filler::{CellFiller, CellToFill, FilledTown, Filler, TownToFill};
 use crate::style::{self, Style};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -129,24 +129,22 @@ impl SemanticPatches {
                 None => filler.unknown.push(index),
             }
         }
-        let counts = if let [(kit, _)] = &shares[..] { kit.style.clone() } else { Arc::default() };
-        Ok(CountedCell { id: cell.brief.id, counts, filler })
+        let styles = shares.iter().map(|(kit, _)| kit.style.clone()).collect();
+        Ok(CountedCell { id: cell.brief.id, styles, filler })
     }
 }
 
 impl Filler for SemanticPatches {
-    fn prepare(&self, town: &TownToFill<'_>) -> Result<Vec<Arc<dyn CellFiller>>, LayerError> {
+    fn prepare(&self, town: &TownToFill<'_>) -> Result<FilledTown, LayerError> {
         let mut cells = Vec::with_capacity(town.cells.len());
         for cell in &town.cells {
             cells.push(self.prepare_cell(cell)?);
         }
-        // What a style of another town limits, which reaches into cells at the border, is limited in these.
-        let all = town.cells.iter().flat_map(|cell| cell.styles.iter().map(|(style, _)| &**style));
-        let limits: Vec<&Style> = town.styles.iter().copied().chain(all).collect();
-        share_out(&town.styles, &limits, &mut cells, |cell, filler, patch| {
+        let short_counts = share_out(&town.styles, &mut cells, |cell, filler, patch| {
             find_place(&town.cells[cell].brief, filler, patch)
         });
-        Ok(cells.into_iter().map(|cell| Arc::new(cell.filler) as Arc<dyn CellFiller>).collect())
+        let fillers = cells.into_iter().map(|cell| Arc::new(cell.filler) as Arc<dyn CellFiller>).collect();
+        Ok(FilledTown { fillers, short_counts })
     }
 
     fn has_piece(&self, name: &str) -> bool {

@@ -318,7 +318,7 @@ mod tests {
                 lay(&mut draft, &mut placer, &patterns);
                 let n = cell.ports.len();
                 let ports = (0..n).filter(|i| !has_stub(&draft.canvas, n, *i)).count();
-                out.push((placer.uses(), ports));
+                out.push((placer.laid().iter().map(|(_, uses)| uses).sum(), ports));
                 let streets = finish(&draft, "", patches.names());
                 assert_eq!(defects(&cell, &streets), Vec::<String>::new(), "{} {seed}", kit.style.name);
             }

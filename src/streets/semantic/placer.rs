@@ -5,6 +5,7 @@ use super::placement::Placement;
 use crate::network::VertexIx;
 use crate::patch::{PatchDatabase, STRETCH, keeps_rules};
 use crate::streets::cell::{Draft, Join, Maker, NONE, Proposal, joint_angle_fits};
+use std::sync::Arc;
 
 /// Lays patches in one cell.
 pub struct Placer<'a> {
@@ -66,10 +67,10 @@ impl<'a> Placer<'a> {
         if count >= most || !self.may_stand[patch] { 0.0 } else { self.weights[patch] / (1.0 + 0.5 * f64::from(count)) }
     }
 
-    /// Number of patches that were used.
-    #[cfg(test)]
-    pub fn uses(&self) -> u32 {
-        self.used.iter().sum()
+    /// The names of the patches that were used, each with the number of its uses.
+    pub fn laid(&self) -> Vec<(Arc<str>, u32)> {
+        let used = self.patches.names().iter().zip(&self.used).filter(|(_, uses)| **uses > 0);
+        used.map(|(name, uses)| (name.clone(), *uses)).collect()
     }
 
     /// Counts one more use of a patch.

@@ -50,6 +50,12 @@ impl PatchFiller {
         out.sort_by_key(|l| l.piece);
         out
     }
+
+    /// The names of the patches that stand because a style counts them, where `unfit` are indices into `pinned`.
+    fn missing(&self, unfit: &[usize]) -> Vec<Arc<str>> {
+        let counted = unfit.iter().map(|i| &self.pinned[*i]).filter(|pinned| pinned.piece.is_none());
+        counted.filter_map(|pinned| self.patches.names().get(pinned.patch).cloned()).collect()
+    }
 }
 
 impl CellFiller for PatchFiller {
@@ -72,8 +78,9 @@ impl CellFiller for PatchFiller {
             make_fair(&mut draft);
             let cut_off = floating(&draft, &anchors);
             if cut_off.is_empty() {
-                let left_out = self.left_out(&unfit);
-                return Ok(CellStreets { left_out, ..finish(&draft, NAME, self.patches.names()) });
+                let (left_out, missing) = (self.left_out(&unfit), self.missing(&unfit));
+                let laid = placer.laid();
+                return Ok(CellStreets { left_out, missing, laid, ..finish(&draft, NAME, self.patches.names()) });
             }
             // Nothing may float: once more without the patches that could not be reached.
             unfit.extend(cut_off.into_iter().map(|i| standing[i].index));
