@@ -26,4 +26,6 @@ pub use filler::{
 };
 pub use fillers::Fillers;
 pub use parametric::Parametric;
-pub use semantic::{PatchFiller, PinnedPatch, SemanticPatches};
+pub use semantic::{
+    Extent, NeverLaid, PatchFiller, PinnedPatch, SemanticPatches, StyleCells, patch_never_laid, pattern_never_laid,
+};

@@ -11,5 +11,5 @@ mod settlement;
 pub(crate) use area::area;
 pub(crate) use block_cell::{BlockCell, block_cell, divided};
 pub(crate) use ground::{Countryside, Flat, Ground};
-pub(crate) use port_cell::{PortCell, patch_sets, styles};
+pub(crate) use port_cell::{PortCell, all_styles, patch_sets, styles};
 pub(crate) use settlement::{SettlementCase, any_settlement, settlement};

@@ -33,6 +33,14 @@ pub(crate) fn styles() -> Vec<Style> {
     ["grid", "european", "organic", "suburb", "village"].map(style).into()
 }
 
+/// All bundled styles, in the order of their names.
+pub(crate) fn all_styles() -> Vec<Style> {
+    let folder = format!("{}/assets/styles", env!("CARGO_MANIFEST_DIR"));
+    let files = crate::layer::ron_files(std::path::Path::new(&folder)).expect("the bundled styles are there");
+    let names = files.iter().filter_map(|file| file.file_stem()?.to_str().map(str::to_owned));
+    names.map(|name| Style::from_ron(&format!("{name}.ron"), &read(&format!("styles/{name}"))).expect(&name)).collect()
+}
+
 /// The patch sets that these styles name.
 pub(crate) fn patch_sets(styles: &[Style]) -> BTreeMap<String, Arc<PatchSet>> {
     let set = |name: &String| PatchSet::from_ron(name, &read(&format!("patches/{name}"))).expect(name);
@@ -55,10 +63,15 @@ impl<'a> PortCell<'a> {
 
     /// A cell whose shape, style and ports follow from `seed`.
     pub fn new(seed: u64, styles: &'a [Style]) -> Self {
+        Self::sized(seed, styles, 1.0)
+    }
+
+    /// A cell as of [`new`](Self::new), `times` as large and with ports as far apart.
+    pub fn sized(seed: u64, styles: &'a [Style], times: f64) -> Self {
         let mut s = Seed(seed).stream("sample cell", &[]);
         let style = &styles[s.index(styles.len())];
         let field = style.main.field;
-        let corners = shape(&mut s, field == FieldKind::Grid);
+        let corners = shape(&mut s, field == FieldKind::Grid, times);
         // A main street bends a little between its ends.
         let bends = if field == FieldKind::Grid { 0.0 } else { 0.06 };
         let mut sides: Vec<(Vec<DVec2>, Option<f64>)> = Vec::new();
@@ -100,8 +113,8 @@ fn heading(border: &[DVec2]) -> f64 {
 }
 
 /// Corners, counter-clockwise.
-fn shape(s: &mut Stream, grid: bool) -> Vec<DVec2> {
-    let (w, h) = (s.range(120.0, 450.0), s.range(120.0, 450.0));
+fn shape(s: &mut Stream, grid: bool, times: f64) -> Vec<DVec2> {
+    let (w, h) = (times * s.range(120.0, 450.0), times * s.range(120.0, 450.0));
     let turn = s.range(0.0, 6.3);
     let wobble_by = if grid { 8.0 } else { 25.0 };
     let mut wobble = |p: (f64, f64)| {

@@ -17,15 +17,28 @@ pub struct WorldAssets {
     /// Patch sets by name.
     pub patch_sets: BTreeMap<String, Arc<PatchSet>>,
     /// The files of the styles that were read from one, by name.
-    files: BTreeMap<String, StyleFile>,
+    style_files: BTreeMap<String, AssetFile<Style>>,
+    /// The files of the patch sets that were read from one, by name.
+    set_files: BTreeMap<String, AssetFile<PatchSet>>,
 }
 
-/// A file that a style was read from.
+/// A file that an asset was read from.
 #[derive(Clone, Debug)]
-struct StyleFile {
+struct AssetFile<T> {
     name: String,
     text: Arc<str>,
-    style: Arc<Style>,
+    asset: Arc<T>,
+}
+
+impl<T> AssetFile<T> {
+    fn new(file: &str, text: &str, asset: &Arc<T>) -> Self {
+        Self { name: file.to_owned(), text: text.into(), asset: asset.clone() }
+    }
+
+    /// The file of the asset of this name, if that is still the one that was read.
+    fn of<'a>(files: &'a BTreeMap<String, Self>, assets: &BTreeMap<String, Arc<T>>, name: &str) -> Option<&'a Self> {
+        files.get(name).filter(|file| assets.get(name).is_some_and(|asset| Arc::ptr_eq(asset, &file.asset)))
+    }
 }
 
 macro_rules! bundled {
@@ -88,31 +101,46 @@ impl WorldAssets {
         let folder = Path::new(file).parent().and_then(Path::file_name);
         if folder.is_some_and(|f| f == "styles") {
             let style = Arc::new(Style::from_ron(file, text)?);
-            let of = StyleFile { name: file.to_owned(), text: text.into(), style: style.clone() };
-            self.files.insert(style.name.clone(), of);
+            self.style_files.insert(style.name.clone(), AssetFile::new(file, text, &style));
             self.styles.insert(style.name.clone(), style);
         } else {
-            let set = PatchSet::from_ron(file, text)?;
-            self.patch_sets.insert(set.name.clone(), Arc::new(set));
+            let set = Arc::new(PatchSet::from_ron(file, text)?);
+            self.set_files.insert(set.name.clone(), AssetFile::new(file, text, &set));
+            self.patch_sets.insert(set.name.clone(), set);
         }
         Ok(())
     }
 
     /// The error of a world at its place in the file of a style. `None` where no style is at fault, or it is of no file.
     pub fn locate(&self, error: &WorldError) -> Option<FileError> {
-        let name = error.style()?;
-        let of = self.files.get(name).filter(|f| self.styles.get(name).is_some_and(|s| Arc::ptr_eq(s, &f.style)))?;
-        Some(error.in_style(&of.style, &of.name, &of.text))
+        let file = AssetFile::of(&self.style_files, &self.styles, error.style()?)?;
+        Some(error.in_style(&file.asset, &file.name, &file.text))
+    }
+
+    /// The file that a style was read from, and its content.
+    pub(super) fn style_file(&self, style: &str) -> Option<(&str, &str)> {
+        AssetFile::of(&self.style_files, &self.styles, style).map(|file| (&*file.name, &*file.text))
+    }
+
+    /// The file that a patch set was read from, and its content.
+    pub(super) fn set_file(&self, set: &str) -> Option<(&str, &str)> {
+        AssetFile::of(&self.set_files, &self.patch_sets, set).map(|file| (&*file.name, &*file.text))
     }
 
     /// Checks that all named styles, patch sets and patches exist, and that the tags of every style leave it patches.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), WorldError> {
-        fn names<T>(map: &BTreeMap<String, T>) -> String {
-            map.keys().cloned().collect::<Vec<_>>().join(", ")
-        }
         if let Some(style) = settings.settlements.style_names().find(|s| !self.styles.contains_key(*s)) {
             return Err(WorldError::MissingStyle { style: style.to_owned(), known: names(&self.styles) });
         }
+        self.check_styles()
+    }
+
+    /// Checks that the patch sets and patches that styles name exist, and that the tags of every style leave it patches.
+    ///
+    /// # Errors
+    ///
+    /// What the first such style names in vain; [`locate`](Self::locate) finds its place.
+    pub fn check_styles(&self) -> Result<(), WorldError> {
         self.styles.iter().try_for_each(|(name, style)| {
             let find = |set: &String| {
                 self.patch_sets.get(set).cloned().ok_or_else(|| WorldError::MissingPatchSet {
@@ -137,6 +165,11 @@ impl WorldAssets {
             Ok(())
         })
     }
+}
+
+/// The names of all assets of a kind, for people.
+fn names<T>(assets: &BTreeMap<String, T>) -> String {
+    assets.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

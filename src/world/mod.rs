@@ -9,6 +9,7 @@ mod generator;
 mod route;
 mod settings;
 mod source;
+mod warnings;
 
 pub use area::{Area, Owned};
 pub use assets::WorldAssets;
@@ -18,3 +19,4 @@ pub use generator::{NearestStreet, World};
 pub use route::Route;
 pub use settings::{CacheSettings, Settings};
 pub use source::{TerrainSource, WorldSource};
+pub use warnings::set_warnings;

@@ -196,6 +196,37 @@ fn patch_sets_are_checked_and_drawn() {
     let report = json(&["patches", "check", "assets"]);
     assert_eq!(report["errors"].as_array().map(Vec::len), Some(0));
     assert!(report["sets"].as_array().expect("a list").len() >= 5);
+    let whole = json(&["patches", "check", "--assets", "assets"]);
+    assert_eq!((&whole["warnings"], &whole["errors"]), (&serde_json::json!([]), &serde_json::json!([])), "{whole}");
+    assert_eq!(whole["sets"], report["sets"]);
+    // What can never be used is named, and the set is good all the same.
+    let ring =
+        "(patches: [\n(name: \"ring\", vertices: [(0, 0), (80, 0), (80, 80), (0, 80)], streets: [[0, 1, 2, 3, 0]])])";
+    let ring = file("ring.ron", ring).to_string_lossy().into_owned();
+    let warnings = &json(&["patches", "check", &ring])["warnings"];
+    assert_eq!((&warnings[0]["line"], &warnings[0]["column"]), (&Value::from(2), &Value::from(2)), "{warnings}");
+    assert!(out(&["patches", "check", &ring]).contains("warning: "));
+    assert!(refused(&["patches", "check", &ring, "--assets", "assets"]).contains("not both"));
+    assert!(refused(&["patches", "check"]).contains("needs patch sets"));
+    let folder = file("in-vain", "");
+    for (name, text) in [
+        ("styles/a.ron", "(patch_sets: [\"b\"],\nexclude: [\"wod\"])"),
+        (
+            "patches/b.ron",
+            "(patches: [(name: \"c\", vertices: [(0, 0), (60, 0)], streets: [(0, 1)], tags: [\"wood\"])])",
+        ),
+    ] {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("folders can be made");
+        std::fs::write(path, text).expect("the folder can be written");
+    }
+    let folder = folder.to_string_lossy();
+    let warnings = &json(&["patches", "check", "--assets", &folder])["warnings"];
+    assert_eq!((warnings.as_array().map(Vec::len), &warnings[0]["line"]), (Some(1), &Value::from(2)), "{warnings}");
+    std::fs::write(format!("{folder}/styles/a.ron"), "(patch_sets: [\n\"no\"])").expect("the folder can be written");
+    assert!(
+        refused(&["patches", "check", "--assets", &folder]).contains("a.ron:2:1: style `a` names the patch set `no`")
+    );
     for (name, magic) in [("sheet.svg", &b"<svg"[..]), ("sheet.png", b"\x89PNG")] {
         let path = file(name, "");
         out(&["patches", "draw", "assets/patches/grid.ron", "-o", &path.to_string_lossy()]);

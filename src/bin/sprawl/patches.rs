@@ -8,8 +8,9 @@ use crate::work;
 use bevy_sprawl::export::png;
 use bevy_sprawl::layer::{FileError, ron_files};
 use bevy_sprawl::patch::{self, PatchSet};
+use bevy_sprawl::world::{WorldAssets, set_warnings};
 use clap::{Args, Subcommand};
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -23,10 +24,11 @@ pub struct PatchesArgs {
 
 #[derive(Subcommand)]
 pub enum PatchesCommand {
-    /// Read patch sets and name what is wrong with them
+    /// Read patch sets and name what is wrong with them, and what of them can never be used; `--assets DIR` holds all sets
+    /// of a folder against all its styles
     Check {
         /// Patch sets, or folders of them
-        #[arg(required = true, value_name = "FILE")]
+        #[arg(value_name = "FILE")]
         files: Vec<PathBuf>,
     },
     /// Draw the patches of one or more sets on a sheet
@@ -42,10 +44,13 @@ pub enum PatchesCommand {
 
 /// Runs the command.
 pub fn run(common: &Common, args: &PatchesArgs) -> Result<(), Fail> {
-    common.refuse("`sprawl patches`", &[Flag::Seed, Flag::Settings, Flag::Assets, Flag::Edits])?;
+    common.refuse("`sprawl patches`", &[Flag::Seed, Flag::Settings, Flag::Edits])?;
     match &args.command {
         PatchesCommand::Check { files } => check(common, files),
-        PatchesCommand::Draw { files, output } => draw(common, files, output),
+        PatchesCommand::Draw { files, output } => {
+            common.refuse("`sprawl patches draw`", &[Flag::Assets])?;
+            draw(common, files, output)
+        }
     }
 }
 
@@ -72,40 +77,93 @@ fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Fail> {
     Ok(out)
 }
 
-/// Names every set with its patches and tags, and every file that is not one with its place and reason.
-fn check(common: &Common, paths: &[PathBuf]) -> Result<(), Fail> {
-    let (mut sets, mut errors, mut people) = (Vec::new(), Vec::new(), String::new());
-    for path in expand(paths)? {
-        match read(&path) {
-            Ok(set) => {
-                let mut tags: BTreeMap<&str, usize> = BTreeMap::new();
-                set.patches.iter().flat_map(|p| &p.tags).for_each(|tag| *tags.entry(tag).or_default() += 1);
-                // Writing to a string cannot fail.
-                let _ = write!(
-                    people,
-                    "{}: {} patches, {} patterns;",
-                    path.display(),
-                    set.patches.len(),
-                    set.patterns.len()
-                );
-                let tags: Map<_, _> = tags.into_iter().map(|(tag, n)| (tag.to_owned(), json!(n))).collect();
-                for (tag, count) in &tags {
-                    let _ = write!(people, " {tag} {count}");
-                }
-                people.push('\n');
-                sets.push(json!({
-                    "file": path.to_string_lossy(), "name": set.name, "patches": set.patches.len(),
-                    "patterns": set.patterns.len(), "tags": tags,
-                }));
-            }
-            Err(error) => errors.push(error),
+/// What a check found.
+#[derive(Default)]
+struct Checked {
+    sets: Vec<Value>,
+    /// The sets, a line each.
+    people: String,
+    warnings: Vec<FileError>,
+    errors: Vec<FileError>,
+}
+
+impl Checked {
+    /// Notes a set with its patches and tags, or the error of its file; returns the set.
+    fn note(&mut self, file: &str, set: Result<PatchSet, FileError>) -> Option<PatchSet> {
+        let set = set.map_err(|error| self.errors.push(error)).ok()?;
+        let mut tags: BTreeMap<&str, usize> = BTreeMap::new();
+        set.patches.iter().flat_map(|p| &p.tags).for_each(|tag| *tags.entry(tag).or_default() += 1);
+        let (patches, patterns) = (set.patches.len(), set.patterns.len());
+        // Writing to a string cannot fail.
+        let _ = write!(self.people, "{file}: {patches} patches, {patterns} patterns;");
+        let tags: Map<_, _> = tags.into_iter().map(|(tag, n)| (tag.to_owned(), json!(n))).collect();
+        for (tag, count) in &tags {
+            let _ = write!(self.people, " {tag} {count}");
         }
+        self.people.push('\n');
+        self.sets.push(json!({
+            "file": file, "name": set.name, "patches": patches, "patterns": patterns, "tags": tags,
+        }));
+        Some(set)
     }
-    let reasons: Vec<_> = errors
-        .iter()
-        .map(|e| json!({ "file": e.file, "line": e.line, "column": e.column, "reason": e.reason }))
-        .collect();
-    work::print(common, &json!({ "sets": sets, "errors": reasons }), &people)?;
+
+    /// Sets alone, without styles.
+    fn sets(files: &[PathBuf]) -> Self {
+        let mut out = Self::default();
+        for path in files {
+            let file = path.to_string_lossy();
+            let text = text::read(path);
+            let set = text.clone().and_then(|text| PatchSet::from_ron(&file, &text));
+            if let (Some(set), Ok(text)) = (out.note(&file, set), text) {
+                out.warnings.extend(set_warnings(&set, &file, &text));
+            }
+        }
+        out
+    }
+
+    /// The styles and sets of a folder of assets, held against each other.
+    fn assets(folder: &Path) -> Result<Self, Fail> {
+        let (mut out, mut assets) = (Self::default(), WorldAssets::default());
+        for path in ron_files(&folder.join("styles"))?.into_iter().chain(ron_files(&folder.join("patches"))?) {
+            let file = path.to_string_lossy();
+            let added = text::read(&path).and_then(|text| assets.add(&file, &text).map(|()| text));
+            match added {
+                Err(error) => out.errors.push(error),
+                Ok(text) if path.starts_with(folder.join("patches")) => {
+                    out.note(&file, PatchSet::from_ron(&file, &text));
+                }
+                Ok(_) => {}
+            }
+        }
+        if !out.errors.is_empty() {
+            return Ok(out);
+        }
+        match assets.check_styles() {
+            Ok(()) => out.warnings = assets.warnings()?,
+            Err(error) => out.errors.push(assets.locate(&error).ok_or_else(|| Fail::file(folder, error))?),
+        }
+        Ok(out)
+    }
+}
+
+/// Names every set with its patches and tags, what of it can never be used, and every file that has an error.
+fn check(common: &Common, paths: &[PathBuf]) -> Result<(), Fail> {
+    let checked = match (&common.assets, paths) {
+        (Some(folder), []) => Checked::assets(folder)?,
+        (None, [_, ..]) => Checked::sets(&expand(paths)?),
+        (Some(_), _) => return Err(Fail::input("`sprawl patches check` takes files or --assets, not both")),
+        (None, []) => return Err(Fail::input("`sprawl patches check` needs patch sets, or --assets with a folder")),
+    };
+    let Checked { sets, mut people, warnings, errors } = checked;
+    for warning in &warnings {
+        let _ = writeln!(people, "warning: {warning}");
+    }
+    let list = |errors: &[FileError]| -> Vec<Value> {
+        let one = |e: &FileError| json!({ "file": e.file, "line": e.line, "column": e.column, "reason": e.reason });
+        errors.iter().map(one).collect()
+    };
+    let report = json!({ "sets": sets, "warnings": list(&warnings), "errors": list(&errors) });
+    work::print(common, &report, &people)?;
     let mut errors = errors.iter();
     let Some(first) = errors.next() else { return Ok(()) };
     let more = errors.len();

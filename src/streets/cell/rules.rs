@@ -101,6 +101,12 @@ fn fitted(local: &LocalRules, width: f64) -> LocalRules {
     }
 }
 
+/// What a style's rules ask of the drawings of patches, in a cell of any width.
+pub fn drawing_rules(local: &LocalRules) -> DrawingRules {
+    let least = local.min_angle_deg.to_radians() - ANGLE_SLACK;
+    DrawingRules { cosine: math::cos(least), most_streets: local.degree.1 as usize }
+}
+
 /// How large the blocks are that streets of one length enclose, against those at junctions of three or four streets.
 ///
 /// In a network whose junctions have `d` streets on average there are `d / 2 - 1` blocks to a junction (Euler), and a block has
@@ -192,7 +198,6 @@ impl CellRules {
             max_degree: 8,
             ..repair
         };
-        let drawings = DrawingRules { cosine: repair.junction_cosine, most_streets: repair.max_degree };
         let (straightness, crossings, field_pull, stump, dogleg) = match brief.field_kind {
             FieldKind::Grid => (0.98, 0.75, 1.0, 1.1, 16.0),
             FieldKind::Radial => (0.88, 0.4, 0.9, 0.9, 16.0),
@@ -205,7 +210,7 @@ impl CellRules {
             growth,
             repair,
             closest,
-            drawings,
+            drawings: drawing_rules(&local),
             straightness,
             most_turn: math::acos(straightness),
             crossings,

@@ -37,8 +37,17 @@ impl StyleKit {
     }
 }
 
+/// How the tags of a patch keep a style from using it; `None` if they do not.
+pub fn left_out_by(style: &Style, patch: &Patch) -> Option<String> {
+    if let Some(tag) = style.exclude.iter().find(|tag| patch.tags.contains(*tag)) {
+        return Some(format!("its tag `{tag}` is excluded"));
+    }
+    let allowed = patch.is_allowed(&style.allow, &style.exclude);
+    (!allowed).then(|| format!("it has none of the allowed tags `{}`", style.allow.join("`, `")))
+}
+
 /// Weight of a patch of one of the sets that a style uses: 0 if its tags rule it out.
-fn weight_of(style: &Style, patch: &Patch) -> f64 {
+pub fn weight_of(style: &Style, patch: &Patch) -> f64 {
     let factor = style.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
     if patch.is_allowed(&style.allow, &style.exclude) { patch.weight * factor } else { 0.0 }
 }

@@ -19,7 +19,9 @@ mod prepared;
 mod start;
 #[cfg(test)]
 mod tests;
+mod unused;
 
 pub use filler::SemanticPatches;
 pub use pinned::PinnedPatch;
 pub use prepared::PatchFiller;
+pub use unused::{Extent, NeverLaid, StyleCells, patch_never_laid, pattern_never_laid};

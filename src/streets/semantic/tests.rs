@@ -22,17 +22,19 @@ pub struct Kit {
 }
 
 impl Kit {
-    /// The bundled styles.
+    /// Some of the bundled styles.
     pub fn all() -> Vec<Self> {
         let styles = styles();
         let sets = patch_sets(&styles);
-        let kit = |style: Style| {
-            let sets: Vec<&PatchSet> = style.patch_sets.iter().map(|name| &*sets[name]).collect();
-            let patches = PatchDatabase::new(&sets, &style.allow, &style.exclude);
-            let weights = patches.weights();
-            Self { style, filler: PatchFiller::new(Arc::new(patches), weights) }
-        };
-        styles.into_iter().map(kit).collect()
+        styles.into_iter().map(|style| Self::new(style, &sets)).collect()
+    }
+
+    /// A style with those of these sets that it names.
+    pub fn new(style: Style, sets: &BTreeMap<String, Arc<PatchSet>>) -> Self {
+        let sets: Vec<&PatchSet> = style.patch_sets.iter().map(|name| &*sets[name]).collect();
+        let patches = PatchDatabase::new(&sets, &style.allow, &style.exclude);
+        let weights = patches.weights();
+        Self { style, filler: PatchFiller::new(Arc::new(patches), weights) }
     }
 
     /// A cell of this style.
