@@ -29,6 +29,11 @@ impl Mend {
         Self { cost, line: [from, to, to], points: 2, first, last }
     }
 
+    /// A street with a bend.
+    pub fn bent(cost: f64, line: [DVec2; 3], first: Join, last: Join) -> Self {
+        Self { cost, line, points: 3, first, last }
+    }
+
     /// Cosine of the angle between both parts of the street at its bend; -1 where it has none.
     fn bend_cosine(&self) -> f64 {
         let [from, bend, to] = self.line;
@@ -64,7 +69,7 @@ pub fn landing(
 }
 
 /// The penalty of the street from `from` to `end` for not following the field: 1 if it does.
-fn off_field(draft: &Draft<'_>, from: DVec2, end: DVec2) -> f64 {
+pub fn off_field(draft: &Draft<'_>, from: DVec2, end: DVec2) -> f64 {
     off_by(draft, angle_of(end - from) - draft.brief.field.angle(from.midpoint(end)))
 }
 

@@ -4,7 +4,7 @@ use super::canvas::Maker;
 use super::division::divide_blocks;
 use super::draft::Draft;
 use super::floating::connect_floating;
-use super::mend::{Mend, build_best, landing};
+use super::mend::{Mend, build_best, landing, off_field};
 use super::obstacle::{NONE, nearest};
 use super::proposal::Join;
 use super::rules::Limits;
@@ -15,6 +15,9 @@ use glam::DVec2;
 
 /// Number of connections that are checked exactly for one dead end.
 const TRIES: usize = 10;
+
+/// Distance, in lengths of streets, within which a dead end is led to another one where nothing is nearer.
+const FAR_ENDS: f64 = 3.0;
 
 /// Greatest angle by which a dead end turns to meet another street, in radians.
 const MOST_TURN: f64 = 1.57;
@@ -102,7 +105,30 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
                 && -onward.dot((end - bend).normalize_or_zero()) <= limits.bend_cosine
             {
                 let cost = 1.5 * (share + distance);
-                mends.push(Mend { cost, line: [at, bend, end], points: 3, first: Join::At(v), last });
+                mends.push(Mend::bent(cost, [at, bend, end], Join::At(v), last));
+            }
+        }
+    }
+    build_best(draft, mends, &limits, TRIES, Maker::Repair) || meet_far_end(draft, v, at, onward)
+}
+
+/// Leads the dead end `v`, which lies at `at` and points `onward`, to another dead end that is farther away, by a straight
+/// street or by one with a bend.
+fn meet_far_end(draft: &mut Draft<'_>, v: VertexIx, at: DVec2, onward: DVec2) -> bool {
+    let reach = FAR_ENDS * draft.rules.local.length;
+    // Better near a main street than a dead end.
+    let limits = Limits { wall_gap: draft.rules.repair.clearance, ..draft.rules.repair };
+    draft.gather(at, reach + limits.gap);
+    let ends = draft.trial.near.loose_ends.iter().filter(|t| t.open && t.v != v && t.at.distance(at) < reach);
+    let mut mends: Vec<Mend> = Vec::new();
+    for tip in ends {
+        let distance = tip.at.distance(at);
+        mends.push(Mend::straight(distance * off_field(draft, at, tip.at), at, tip.at, Join::At(v), Join::At(tip.v)));
+        // The bend lies straight on from one of both ends.
+        for share in [0.3, 0.6] {
+            for bend in [at + onward * (share * distance), tip.at + tip.onward * (share * distance)] {
+                let cost = 1.5 * (at.distance(bend) + bend.distance(tip.at));
+                mends.push(Mend::bent(cost, [at, bend, tip.at], Join::At(v), Join::At(tip.v)));
             }
         }
     }
