@@ -61,6 +61,8 @@ struct Fault {
 
 /// All about one index.
 struct Checked {
+    /// Seed of the world.
+    seed: Seed,
     outcome: Outcome,
     faults: Vec<Fault>,
 }
@@ -115,13 +117,16 @@ fn report(common: &Common, indices: &[u64], checked: &[Checked]) -> Result<(), F
         }
         for Fault { what, at, needs } in &world.faults {
             // Writing to a string cannot fail.
-            let _ = writeln!(people, "inputs {index}: {what} at {},{}", at.x, at.y);
+            let _ =
+                writeln!(people, "inputs {index}: {what} at {},{} in the world of seed {}", at.x, at.y, world.seed.0);
             needs.iter().for_each(|need| {
                 let _ = writeln!(people, "    needs {need}");
             });
             let _ =
                 writeln!(people, "    again: sprawl soak --seed {} --inputs-from {index} --inputs 1", common.seed());
-            faults.push(json!({ "inputs": index, "what": what, "x": at.x, "y": at.y, "needs": needs }));
+            faults.push(
+                json!({ "inputs": index, "seed": world.seed.0, "what": what, "x": at.x, "y": at.y, "needs": needs }),
+            );
         }
     }
     for (reason, count) in &refused {
@@ -243,7 +248,7 @@ fn check(usual: &Inputs, mut stream: Stream, watch: &Watch) -> Checked {
     if let Some(first) = faults.first_mut() {
         first.needs = needs(usual, &case, &first.what, watch);
     }
-    Checked { outcome, faults }
+    Checked { seed: case.seed, outcome, faults }
 }
 
 /// Pins a town of the drawn style on dry ground, and draws edits around it for some worlds.
