@@ -13,7 +13,7 @@ use crate::space::{DisjointSets, distance_to_line, math::angle_between, point_at
 struct Flaws {
     /// Pairs of sections that keep closer than the merge distance over more than 2.5 times that.
     parallel: Vec<DVec2>,
-    /// Pairs of sections that leave a junction at less than 30 degrees.
+    /// Pairs of sections other than ramps that leave a junction at less than 30 degrees.
     sharp: Vec<DVec2>,
     /// Those of them further than 330 m from outlines.
     sharp_outside: Vec<DVec2>,
@@ -75,7 +75,8 @@ fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
         out.spikes.extend(turn.map(|t| origin.to_plan(t.0)));
     }
     let mut leaving: BTreeMap<JunctionId, Vec<(DVec2, DVec2)>> = BTreeMap::new();
-    for (r, line) in sections.iter().zip(&lines) {
+    // A ramp leaves a highway at a sharp angle on purpose.
+    for (r, line) in sections.iter().zip(&lines).filter(|(r, _)| r.street.class != StreetClass::Ramp) {
         let back: Vec<DVec2> = line.iter().rev().copied().collect();
         for (id, line) in [(r.street.from, line), (r.street.to, &back)] {
             leaving.entry(id).or_default().push((line[0], point_at(line, 60.0).0 - line[0]));
