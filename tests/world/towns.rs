@@ -86,7 +86,7 @@ fn counted_patches_stand_as_often_as_the_style_says() {
         tees += cells_with("tee");
         rounds += cells_with("roundabout of four");
     }
-    assert!(tees >= 3 && rounds >= 8, "{tees} tees, {rounds} roundabouts");
+    assert!(tees >= 5 && rounds >= 8, "{tees} tees, {rounds} roundabouts");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::space::{DisjointSets, distance_to_line, math::angle_between, point_at
 struct Flaws {
     /// Pairs of sections that keep closer than the merge distance over more than 2.5 times that.
     parallel: Vec<DVec2>,
-    /// Pairs of sections other than ramps that leave a junction at less than 30 degrees.
+    /// Pairs of sections that leave a junction at less than 30 degrees, or 26 where one is a ramp.
     sharp: Vec<DVec2>,
     /// Those of them further than 330 m from outlines.
     sharp_outside: Vec<DVec2>,
@@ -74,18 +74,19 @@ fn flaws(roads: &Roads, bounds: Bounds) -> Flaws {
         let turn = sharpest_turn(a).filter(|t| t.1 > 1.4);
         out.spikes.extend(turn.map(|t| origin.to_plan(t.0)));
     }
-    let mut leaving: BTreeMap<JunctionId, Vec<(DVec2, DVec2)>> = BTreeMap::new();
-    // A ramp leaves a highway at a sharp angle on purpose.
-    for (r, line) in sections.iter().zip(&lines).filter(|(r, _)| r.street.class != StreetClass::Ramp) {
+    let mut leaving: BTreeMap<JunctionId, Vec<(DVec2, DVec2, f64)>> = BTreeMap::new();
+    // A ramp leaves a highway at a sharper angle on purpose.
+    let least = |class| if class == StreetClass::Ramp { 0.45 } else { 0.52 };
+    for (r, line) in sections.iter().zip(&lines) {
         let back: Vec<DVec2> = line.iter().rev().copied().collect();
         for (id, line) in [(r.street.from, line), (r.street.to, &back)] {
-            leaving.entry(id).or_default().push((line[0], point_at(line, 60.0).0 - line[0]));
+            leaving.entry(id).or_default().push((line[0], point_at(line, 60.0).0 - line[0], least(r.street.class)));
         }
     }
     for ways in leaving.values() {
-        for (i, (at, a)) in ways.iter().enumerate() {
-            for (_, b) in &ways[i + 1..] {
-                if angle_between(*a, *b) < 0.52 {
+        for (i, (at, a, least_a)) in ways.iter().enumerate() {
+            for (_, b, least_b) in &ways[i + 1..] {
+                if angle_between(*a, *b) < least_a.min(*least_b) {
                     out.sharp.push(origin.to_plan(*at));
                     out.sharp_outside.extend((!in_town(*at)).then(|| origin.to_plan(*at)));
                 }
