@@ -44,11 +44,15 @@ pub fn clipped(area: &Area) -> Area {
     let (blocks, block_pieces) = border.cut_all(&area.blocks, |b| (&mut b.id, &mut b.polygon));
     let (mut lots, lot_pieces) = border.cut_all(&area.lots, |l| (&mut l.id, &mut l.polygon));
     let (mut footprints, _) = border.cut_all(&area.footprints, |f| (&mut f.id, &mut f.polygon));
+    let mut by_street: BTreeMap<StreetId, Vec<&Street>> = BTreeMap::new();
+    for (id, piece) in &streets {
+        by_street.entry(*id).or_default().push(&piece.item.street);
+    }
     for lot in &mut lots {
         lot.item.block = piece_at(&block_pieces, lot.item.block, &lot.item.polygon);
         let (whole, middle) = (lot.item.street, centroid(&lot.item.polygon));
-        let pieces = streets.iter().filter(|(id, _)| *id == whole).map(|(_, piece)| &piece.item.street);
-        let off = |s: &&Street| distance_to_line(middle, &s.line);
+        let pieces = by_street.get(&whole).into_iter().flatten();
+        let off = |s: &&&Street| distance_to_line(middle, &s.line);
         // A lot at the border may front a street that lies outside.
         lot.item.street = pieces.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(whole, |s| s.id);
     }
@@ -62,10 +66,10 @@ pub fn clipped(area: &Area) -> Area {
 }
 
 /// The ids and polygons of the pieces of cut things, by the id of the whole.
-type Pieces = BTreeMap<u64, Vec<(u64, Vec<DVec2>)>>;
+type CutPieces = BTreeMap<u64, Vec<(u64, Vec<DVec2>)>>;
 
 /// The id of the piece of a thing that holds something else; the thing's own id if it is whole.
-fn piece_at(pieces: &Pieces, whole: u64, polygon: &[DVec2]) -> u64 {
+fn piece_at(pieces: &CutPieces, whole: u64, polygon: &[DVec2]) -> u64 {
     let Some(pieces) = pieces.get(&whole) else { return whole };
     let middle = centroid(polygon);
     let holder = pieces.iter().find(|(_, piece)| point_in_polygon(middle, piece)).or_else(|| pieces.first());
@@ -140,8 +144,8 @@ impl Border {
         &self,
         all: &[Owned<T>],
         parts: impl Fn(&mut T) -> (&mut u64, &mut Vec<DVec2>),
-    ) -> (Vec<Owned<T>>, Pieces) {
-        let (mut out, mut cuts) = (Vec::with_capacity(all.len()), Pieces::new());
+    ) -> (Vec<Owned<T>>, CutPieces) {
+        let (mut out, mut cuts) = (Vec::with_capacity(all.len()), CutPieces::new());
         for thing in all {
             let mut whole = thing.clone();
             let (id, polygon) = parts(&mut whole.item);
@@ -189,7 +193,9 @@ impl Border {
             .map(|ring| {
                 let mut ring: Vec<DVec2> = ring.into_iter().map(snap).collect();
                 ring.dedup();
-                ring.truncate(ring.len() - usize::from(ring.len() > 1 && ring.first() == ring.last()));
+                if ring.len() > 1 && ring.first() == ring.last() {
+                    ring.pop();
+                }
                 ring
             })
             // Slivers along the border.

@@ -318,9 +318,7 @@ fn city(usual: &Inputs, case: &Case, differences: &[Difference], cancel: &Cancel
 /// The differences without which there is no such fault.
 fn needs(usual: &Inputs, case: &Case, what: &str, watch: &Watch) -> Vec<String> {
     let begin = Instant::now();
-    let mut tries = 0;
     let lasts = |differences: &[Difference]| {
-        tries += 1;
         let outcome = watch.run(|cancel| city(usual, case, differences, cancel));
         matches!(outcome, Outcome::Checked(city) if city.findings.iter().any(|f| f.0 == what))
     };

@@ -159,7 +159,7 @@ fn crowd(plain: &World, seed: u64, styles: &[&String]) -> Result<Crowd, Fail> {
         .map(|s| Wish { style: stream.index(styles.len()), radius: stream.range(RADII[*s].0, RADII[*s].1).round() })
         .collect();
     let mut places: Vec<Option<DVec2>> = vec![None; wishes.len()];
-    let mut tries = 0..8;
+    let mut tries = 1..8;
     loop {
         let mut edits = plain.edits().clone();
         for (i, wish) in wishes.iter().enumerate() {

@@ -249,7 +249,7 @@ fn build(inputs: &Inputs, walk: &mut Walk, keys: &[Key]) -> Result<Vec<Arc<RoadS
     words.extend([from.0, to.0]);
     let name = stable_hash(&words);
     let mut overpasses = Vec::new();
-    for i in 1..corners.len().saturating_sub(1) {
+    for i in 1..keys.len().saturating_sub(1) {
         if let Some(below) = keys[i].below() {
             let around = [&corners[i - 1], &corners[i], &corners[i + 1]];
             overpasses.push(overpass(walk, below, around, origin, &line)?);

@@ -131,8 +131,8 @@ tier_settings! {
         roughness: f64, 0.0 to 1.0;
     }
     words {
-        /// Whether the roads are toll roads. Roads of other classes then join them only in settlements and at interchanges; they do
-        /// not run along them or merge with them (Galin 2011, section 6).
+        /// Whether the roads are toll roads. Roads of other classes then join them only in settlements, at interchanges and
+        /// where a crossing stays a junction; they do not run along them or merge with them (Galin 2011, section 6).
         toll: bool;
         /// How roads of the class cross highways.
         #[serde(alias = "over_highways")]

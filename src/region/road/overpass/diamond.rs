@@ -5,7 +5,7 @@
 //! the ramps of both sides begin and end at different places, so that each meets it in a junction of its own. Traffic keeps to the
 //! right: it leaves the highway before the crossing and joins it beyond.
 
-use super::dimensions::{FARTHEST_RAMP, HALF_LENGTH, LONGEST_RAMP, RAMP_ANGLE, RUN_OUT};
+use super::dimensions::{FARTHEST_RAMP, HALF_LENGTH, LONGEST_RAMP, OFF, OFF_VERTEX, RAMP_ANGLE, RAMPS_WITHIN, RUN_OUT};
 use super::surroundings::{Cross, RunVertex, Surroundings};
 use crate::layer::LayerError;
 use crate::region::road::cost::corner_radius;
@@ -27,10 +27,6 @@ const STAGGER: f64 = 40.0;
 const UPPER_ANGLE: f64 = 0.9;
 /// Least radius in metres of the curve of a ramp.
 const LEAST_RADIUS: f64 = 40.0;
-/// Greatest distance in metres of the end of a ramp from where it was wanted: a coarse lattice names few places.
-const OFF: f64 = 20.0;
-/// Least distance in metres along a road from the end of a ramp to a vertex.
-const OFF_VERTEX: f64 = 12.0;
 /// Greatest bend in radians of a road at a vertex where a ramp ends.
 const STRAIGHT: f64 = 0.2;
 /// Distance in metres on both sides of the end of a ramp within which the road is dry.
@@ -121,7 +117,8 @@ impl Surroundings<'_> {
                         }
                         break;
                     }
-                    Err(h) => hindrance = h,
+                    // What comes last in the order of tests kept the ramps from the least.
+                    Err(h) => hindrance = hindrance.max(h),
                 }
             }
             match both {
@@ -156,7 +153,6 @@ impl Surroundings<'_> {
                         found = Some(ramp);
                         break;
                     }
-                    // What comes last in the order of tests kept the ramp from the least.
                     Err(h) => hindrance = hindrance.max(h),
                 }
             }
@@ -190,7 +186,8 @@ impl Surroundings<'_> {
             let fits = meets(p.at, p.along) >= RAMP_ANGLE
                 && meets(q.at, q.along) >= UPPER_ANGLE
                 && corner_radius(corner - p.at, q.at - corner) >= LEAST_RADIUS
-                && p.at.distance(q.at) <= LONGEST_RAMP;
+                && p.at.distance(q.at) <= LONGEST_RAMP
+                && line.iter().all(|at| at.length() <= RAMPS_WITHIN);
             if !fits || !keeps_apart(&line, h, p) || !keeps_apart(&line, u, q) {
                 continue;
             }
@@ -233,8 +230,8 @@ impl Surroundings<'_> {
         let line = std::iter::once(DVec2::ZERO).chain(run.iter().map(|v| self.net().step(node, v.node))).collect();
         let mut arm = Arm { run, line, ends: Vec::new() };
         let wanted = wanted.iter().filter(|far| **far <= clear);
-        let ends: Vec<RampEnd> = wanted.filter_map(|far| self.ramp_end(node, &arm, *far)).collect();
-        arm.ends = ends;
+        let ends = wanted.filter_map(|far| self.ramp_end(node, &arm, *far)).filter(|end| end.far <= clear);
+        arm.ends = ends.collect();
         if arm.ends.is_empty() { Err(Hindrance::Junction) } else { Ok(arm) }
     }
 

@@ -19,10 +19,16 @@ pub(super) const UNMERGED: f64 = 480.0;
 pub(super) const RAMP_AT: (f64, f64) = (90.0, 200.0);
 /// Greatest distance in metres along a road from a crossing to the end of a ramp.
 pub(super) const FARTHEST_RAMP: f64 = 330.0;
+/// Greatest distance in metres of the end of a ramp from where it was wanted: a coarse lattice names few places.
+pub(super) const OFF: f64 = 20.0;
+/// Least distance in metres along a road from the end of a ramp to a vertex.
+pub(super) const OFF_VERTEX: f64 = 12.0;
+/// Distance in metres from a crossing within which its ramps lie.
+pub(super) const RAMPS_WITHIN: f64 = FARTHEST_RAMP + OFF + OFF_VERTEX;
 /// Greatest distance in metres between the ends of a ramp.
 pub(super) const LONGEST_RAMP: f64 = 450.0;
 /// How much nearer, in metres, a bridge or ramp lies to its own crossing than to any other.
-pub(super) const NEARER: f64 = 15.0;
+pub(super) const NEARER: f64 = 40.0;
 /// Least angle in radians between a ramp and a road.
 pub(super) const RAMP_ANGLE: f64 = 0.5;
 
@@ -37,7 +43,7 @@ pub(crate) fn overpass_profile(t: f64) -> f64 {
 pub(super) const STEEPEST: f64 = 1.54;
 
 /// Length in metres of the longest way before crossings are separated, except bridges and tunnels.
-fn longest_before(settings: &RoadSettings) -> f64 {
+pub(super) fn longest_before(settings: &RoadSettings) -> f64 {
     longest_connector(settings).max(longest_leg(settings))
 }
 
@@ -48,13 +54,13 @@ pub(in crate::region::road) fn longest_way(settings: &RoadSettings) -> f64 {
 
 /// Distance in metres from a tile within which crossings lie that change ways into the tile: such a way holds the end of a ramp.
 pub(super) fn changed_within(settings: &RoadSettings) -> f64 {
-    FARTHEST_RAMP + longest_before(settings)
+    RAMPS_WITHIN + longest_before(settings)
 }
 
 /// Padding of the graph in metres: a crossing that changes ways into the tile, and other crossings whose bridges and ramps might
 /// come near its own, with their ways.
 pub(in crate::region::road) fn padding(settings: &RoadSettings) -> f64 {
-    let along = FARTHEST_RAMP + RUN_OUT + longest_before(settings) + CLEAR;
-    let others = 2.0 * FARTHEST_RAMP + NEARER + longest_before(settings);
+    let along = RAMPS_WITHIN + RUN_OUT + longest_before(settings) + CLEAR;
+    let others = 2.0 * RAMPS_WITHIN + NEARER + longest_before(settings);
     changed_within(settings) + along.max(others).max(UNMERGED)
 }

@@ -1,10 +1,9 @@
 //! The two-way ramp of a quadrant interchange.
 
-use super::dimensions::{CLEAR, FARTHEST_RAMP, HALF_LENGTH, RAMP_ANGLE, RAMP_AT, RUN_OUT};
+use super::dimensions::{CLEAR, FARTHEST_RAMP, HALF_LENGTH, RAMP_ANGLE, RAMP_AT, RUN_OUT, longest_before};
 use super::surroundings::{Cross, RunVertex, Surroundings};
 use crate::layer::LayerError;
 use crate::region::road::crossing::Hindrance;
-use crate::region::road::merge::{longest_connector, longest_leg};
 use crate::space::math::angle_between;
 use crate::space::{Bounds, orient, point_in_polygon, segment_distance};
 use glam::DVec2;
@@ -14,8 +13,8 @@ impl Surroundings<'_> {
     pub fn two_way_ramp(&self, cross: &Cross) -> Result<Result<[usize; 2], Hindrance>, LayerError> {
         let net = self.net();
         let Cross { node, highway, upper } = *cross;
-        let longest = longest_connector(&self.inputs.settings).max(longest_leg(&self.inputs.settings));
-        let mut hindrance = Hindrance::Junction;
+        let longest = longest_before(&self.inputs.settings);
+        let mut hindrance = Hindrance::Angle;
         let mut scored: Vec<(f64, [usize; 2])> = Vec::new();
         for h in highway {
             let on_highway = self.run(node, h, RAMP_AT.1);
@@ -26,6 +25,7 @@ impl Surroundings<'_> {
                         let by = net.step(p.node, q.node);
                         let fits = q.plain && (HALF_LENGTH + RUN_OUT..FARTHEST_RAMP).contains(&q.along);
                         if !fits || p.along > FARTHEST_RAMP || by.length() > longest {
+                            hindrance = hindrance.max(Hindrance::Junction);
                             continue;
                         }
                         let meets = |n: usize, by: DVec2| {
@@ -38,11 +38,11 @@ impl Surroundings<'_> {
                             continue;
                         }
                         if !self.are_own(node, &own)? {
-                            hindrance = Hindrance::Crossing;
+                            hindrance = hindrance.max(Hindrance::Crossing);
                             continue;
                         }
                         if !self.is_empty(node, &on_highway[..=i], &on_upper[..=k])? {
-                            hindrance = Hindrance::Obstacle;
+                            hindrance = hindrance.max(Hindrance::Obstacle);
                             continue;
                         }
                         scored.push((by.length() - 200.0 * least.min(0.8), [p.node, q.node]));

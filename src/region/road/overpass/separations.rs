@@ -44,7 +44,7 @@ impl Separation {
         if let Ramps::Diamond(diamond) = &self.ramps { &diamond.ramps } else { &[] }
     }
 
-    /// The rank that the part of an edge at one of its ends gets, if that end is a vertex.
+    /// The better rank that the part of an edge next to a vertex gets, if it lies between a crossing and its ramps.
     fn raised(&self, edge: usize, vertex: usize) -> Option<Rank> {
         let Ramps::Diamond(diamond) = &self.ramps else { return None };
         diamond.raised.contains(&(edge, vertex)).then_some(diamond.rank)

@@ -133,7 +133,7 @@ impl Surroundings<'_> {
         out
     }
 
-    /// The same, if the road has no junction before that.
+    /// The run to `length`, if the road has no junction up to [`RUN_OUT`] beyond it.
     pub fn clear_run(&self, node: usize, edge: usize, length: f64) -> Result<Vec<RunVertex>, Hindrance> {
         let run = self.run(node, edge, length + RUN_OUT);
         let clear = run.last().is_some_and(|last| last.along >= length + RUN_OUT);

@@ -268,5 +268,18 @@ fn few_crossings_of_highways_with_better_roads_are_plain() {
             plain += usize::from(c.built == Crossing::Junction && c.hindrance != Some(Hindrance::Angle));
         }
     }
-    assert!(all > 8 && diamonds > 1 && 10 * plain <= all, "{all} {diamonds} {plain}");
+    assert!(all > 8 && diamonds > 2 && 10 * plain <= all, "{all} {diamonds} {plain}");
+}
+
+#[test]
+fn the_same_at_diamonds_whatever_was_asked_before() {
+    let mut places = 0;
+    for i in 300..306 {
+        let found = crossings(i, |_| ()).into_iter().find(|c| c.built == Crossing::Diamond);
+        let Some(crossing) = found else { continue };
+        let (seed, _) = random_place(i);
+        assert_same_whatever_was_asked(|| super::world(seed, MERGE), crossing.at, 1_000.0);
+        places += 1;
+    }
+    assert!(places > 1, "{places}");
 }
