@@ -76,6 +76,11 @@ impl Style {
         self.check_ranges()
     }
 
+    /// How the style counts the patches of a name, if it does.
+    pub fn count_of(&self, patch: &str) -> Option<&PatchCount> {
+        self.patches.iter().find(|count| count.patch == patch)
+    }
+
     /// The style that is `t` (0 to 1) of the way from `a` to `b`. Numbers lie between, counts are rounded, choices without a
     /// middle are drawn from `stream` (`b` with probability `t`), and the patch sets are those of both. The name and the
     /// tags are those of the nearer style. A mixed style has no fringe and counts no patches.

@@ -3,8 +3,9 @@
 use super::canvas::Canvas;
 use super::obstacle::{NONE, Neighbourhood, Obstacle, nearest};
 use super::proposal::Join;
-use super::rules::{LEAST_ARM, Limits};
+use super::rules::Limits;
 use crate::network::VertexIx;
+use crate::patch::LEAST_ARM;
 use crate::space::point_at;
 use glam::DVec2;
 

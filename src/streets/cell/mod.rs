@@ -40,5 +40,5 @@ pub use obstacle::{LooseEnd, NONE, Obstacle, nearest};
 pub use output::finish;
 pub use proposal::{Join, Proposal};
 pub use repair::repair;
-pub use rules::{LEAST_ARM, Limits, WEDGE, drawing_rules};
+pub use rules::{Limits, WEDGE, drawing_rules};
 pub use stubs::{RemovedStubs, grow_from_stubs, has_stub, lay_stubs, stub_end};

@@ -3,14 +3,10 @@
 
 use crate::network::STREET_FLOOR;
 use crate::patch::DrawingRules;
-use crate::space::math;
-use crate::space::signed_area;
+use crate::space::{math, signed_area};
 use crate::streets::filler::CellBrief;
 use crate::style::{FieldKind, LocalRules};
 use glam::DVec2;
-
-/// Least length that is left of a street when it is cut back from the border, in metres.
-pub const LEAST_ARM: f64 = 22.0;
 
 /// Least ratio of the distance between two streets to their distance along the network, where that distance is short.
 pub const WEDGE: f64 = 0.5;

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, Node};
 use super::draft::Draft;
-use crate::network::VertexIx;
+use crate::network::{EdgeIx, VertexIx};
 use crate::seam::APPROACH_LENGTH;
 
 /// Puts a stub at every port, so that each is met. Its end is the vertex [`stub_end`].
@@ -28,8 +28,13 @@ pub fn stub_end(ports: usize, port: usize) -> VertexIx {
 
 /// Whether nothing but its stub is built on a port of a cell of so many ports.
 pub fn has_stub(canvas: &Canvas, ports: usize, port: usize) -> bool {
+    bare_stub(canvas, ports, port).is_some()
+}
+
+/// The stub of a port, if nothing else is built on the port.
+fn bare_stub(canvas: &Canvas, ports: usize, port: usize) -> Option<EdgeIx> {
     let end = stub_end(ports, port);
-    canvas.graph.degree(end) == 1 && canvas.graph.edge_between(port as VertexIx, end).is_some()
+    canvas.graph.edge_between(port as VertexIx, end).filter(|_| canvas.graph.degree(end) == 1)
 }
 
 /// Stubs that were taken away to make room for something that begins at their ports.
@@ -37,11 +42,13 @@ pub fn has_stub(canvas: &Canvas, ports: usize, port: usize) -> bool {
 pub struct RemovedStubs(Vec<(VertexIx, VertexIx)>);
 
 impl RemovedStubs {
-    /// Takes away the first street at a port, if there is one.
-    pub fn remove(&mut self, canvas: &mut Canvas, port: VertexIx) {
-        let stub = canvas.graph.edges_at(port).first().copied();
-        let removed = stub.and_then(|s| canvas.graph.remove_edge(s));
-        self.0.extend(removed.map(|edge| (edge.a, edge.b)));
+    /// Takes away the stub of a port in a cell of so many ports. False, and nothing changes, if more is built there than the stub,
+    /// which then holds what is built.
+    pub fn remove(&mut self, canvas: &mut Canvas, ports: usize, port: usize) -> bool {
+        let Some(stub) = bare_stub(canvas, ports, port) else { return false };
+        canvas.graph.remove_edge(stub);
+        self.0.push((port as VertexIx, stub_end(ports, port)));
+        true
     }
 
     /// Puts the stubs back, for what was to begin there does not fit.

@@ -111,11 +111,11 @@ pub fn lay_at_ports(
         return false;
     }
     let centre = placement.map(DVec2::ZERO);
-    let mut stubs = RemovedStubs::default();
-    for (_, port) in roots {
-        if has_stub(&draft.canvas, draft.brief.ports.len(), *port) {
-            stubs.remove(&mut draft.canvas, *port as VertexIx);
-        }
+    let (mut stubs, ports) = (RemovedStubs::default(), draft.brief.ports.len());
+    let kept = roots.iter().filter(|(_, port)| !stubs.remove(&mut draft.canvas, ports, *port)).count();
+    // Where more is built than the stub, the patch may share it, but not if it begins nowhere else.
+    if roots.len() == 1 && kept == 1 {
+        return false;
     }
     let anchors: Vec<(usize, VertexIx)> = roots.iter().map(|(v, port)| (*v, *port as VertexIx)).collect();
     draft.gather(centre, 1.5 * size + draft.rules.growth.gap + draft.rules.growth.min_piece);

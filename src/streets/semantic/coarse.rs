@@ -2,8 +2,8 @@
 //! and whether its arms can end somewhere.
 
 use super::placement::Placement;
-use crate::patch::{ArmSample, PatchDatabase, PatchView};
-use crate::streets::cell::{Draft, FreeGrid, LEAST_ARM, Obstacle, STEP, WEDGE, joint_angle_fits, landing_place};
+use crate::patch::{ArmSample, LEAST_ARM, PatchDatabase, PatchView};
+use crate::streets::cell::{Draft, FreeGrid, Obstacle, STEP, WEDGE, joint_angle_fits, landing_place};
 use glam::{DVec2, Vec2};
 
 /// A patch, seen from one of its ends, on the coarse grid: the origin and the axes of the view there.

@@ -4,7 +4,7 @@ use super::pinned::PinnedPatch;
 use super::prepared::PatchFiller;
 use crate::space::stable_hash;
 use crate::streets::filler::ShortCount;
-use crate::style::{PatchCount, Style};
+use crate::style::Style;
 use crate::town::CellId;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -33,7 +33,7 @@ impl CountedCell {
 
     /// The patch of a name that may stand here: one that may be chosen, or that the only style of the cell counts.
     fn candidate(&self, name: &str) -> Option<usize> {
-        let is_counted = matches!(&self.styles[..], [style] if count_of(style, name).is_some());
+        let is_counted = matches!(&self.styles[..], [style] if style.count_of(name).is_some());
         self.named(name).into_iter().find(|patch| is_counted || self.filler.weights[*patch] > 0.0)
     }
 
@@ -42,11 +42,6 @@ impl CountedCell {
         let is = |p: &&PinnedPatch| self.filler.patches.patches.get(p.patch).is_some_and(|p| p.name == name);
         self.filler.pinned.iter().filter(is).count() as u32
     }
-}
-
-/// How a style counts the patches of a name.
-fn count_of<'a>(style: &'a Style, name: &str) -> Option<&'a PatchCount> {
-    style.patches.iter().find(|count| count.patch == name)
 }
 
 /// The greatest number of patches of a name in the cells of a style, and how many are used there.
@@ -73,7 +68,7 @@ pub fn share_out(
         let pins = |style: &str, cells: &[CountedCell]| -> u32 {
             cells.iter().filter(|cell| cell.has_style(style)).map(|cell| cell.pins(name)).sum()
         };
-        let limit = |style: &'_ Arc<Style>| count_of(style, name).and_then(|count| count.at_most);
+        let limit = |style: &'_ Arc<Style>| style.count_of(name).and_then(|count| count.at_most);
         let mut limits: Vec<Limit<'_>> = styles
             .iter()
             .filter_map(|style| Some(Limit { style: &style.name, most: limit(style)?, used: pins(&style.name, cells) }))
@@ -83,9 +78,9 @@ pub fn share_out(
             (0..cells.len()).filter_map(|i| Some((i, cells[i].candidate(name)?))).collect();
         ranked.sort_by_key(|(i, _)| Reverse(stable_hash(&[cells[*i].id.0, word])));
         for style in styles.iter().filter(|style| own.iter().any(|own| own.name == style.name)) {
-            let at_least = count_of(style, name).map_or(0, |count| count.at_least);
+            let at_least = style.count_of(name).map_or(0, |count| count.at_least);
             let mut stands = pins(&style.name, cells);
-            for &(i, patch) in ranked.iter().filter(|_| at_least > 0) {
+            for &(i, patch) in &ranked {
                 if stands >= at_least {
                     break;
                 }

@@ -48,7 +48,7 @@ pub fn left_out_by(style: &Style, patch: &Patch) -> Option<String> {
 
 /// Weight of a patch of one of the sets that a style uses: 0 if its tags rule it out.
 pub fn weight_of(style: &Style, patch: &Patch) -> f64 {
-    let factor = style.patches.iter().find(|c| c.patch == patch.name).map_or(1.0, |c| c.weight);
+    let factor = style.count_of(&patch.name).map_or(1.0, |c| c.weight);
     if patch.is_allowed(&style.allow, &style.exclude) { patch.weight * factor } else { 0.0 }
 }
 

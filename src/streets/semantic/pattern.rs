@@ -12,6 +12,9 @@ use crate::streets::cell::{Draft, Obstacle, RemovedStubs, has_stub, nearest};
 use crate::style::StartRules;
 use glam::DVec2;
 
+/// Shares of the least and greatest scale of a pattern between which an element may be drawn out along a main street.
+pub const OF_SCALE: (f64, f64) = (0.95, 1.05);
+
 /// Least cosine of the angle at which a row meets the ports at its ends.
 const FACING: f64 = 0.95;
 
@@ -142,7 +145,7 @@ fn lay_across_ports(
 ) -> bool {
     let Some(placed) = across_ports(draft, placer.patches, element, (roots, ports), Some(scale)) else { return false };
     let drawn_out = placed.along;
-    (0.95 * pattern.scale.0..=1.05 * pattern.scale.1).contains(&drawn_out)
+    (OF_SCALE.0 * pattern.scale.0..=OF_SCALE.1 * pattern.scale.1).contains(&drawn_out)
         && lay_at_ports(draft, placer, placed.placement, &placed.roots)
 }
 
@@ -200,8 +203,11 @@ fn row_between(
         let target = a.lerp(b, f64::from(k + 1) / f64::from(times));
         let is_last = k + 1 == times;
         let mut stubs = RemovedStubs::default();
-        for port in [(k == 0).then_some(first), is_last.then_some(last)].into_iter().flatten() {
-            stubs.remove(&mut draft.canvas, port as VertexIx);
+        let ends = [(k == 0).then_some(first), is_last.then_some(last)];
+        // An earlier element may have met the stub of the last port.
+        if !ends.into_iter().flatten().all(|port| stubs.remove(&mut draft.canvas, draft.brief.ports.len(), port)) {
+            stubs.restore(&mut draft.canvas);
+            return k > 0;
         }
         let end = is_last.then_some(last as VertexIx);
         let built = lay_element(draft, placer, element, at, target, end);

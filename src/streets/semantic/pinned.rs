@@ -69,10 +69,14 @@ pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch,
     if !propose_pinned(draft, placer.patches, pinned) {
         return None;
     }
-    let mut stubs = RemovedStubs::default();
+    let (mut stubs, ports) = (RemovedStubs::default(), draft.brief.ports.len());
     for join in &draft.trial.proposal.joins {
-        if let Join::At(port) = *join {
-            stubs.remove(&mut draft.canvas, port);
+        if let Join::At(port) = *join
+            && !stubs.remove(&mut draft.canvas, ports, port as usize)
+        {
+            // Another piece stands there.
+            stubs.restore(&mut draft.canvas);
+            return None;
         }
     }
     let radius = placer.patches.patches[pinned.patch].radius;
@@ -89,7 +93,9 @@ pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch,
             draft.candidates.push_back(v);
         }
     }
-    draft.trial.built.first().copied()
+    // A port is connected whatever stands there.
+    let inner = |v: &&VertexIx| draft.canvas.nodes[**v as usize].port.is_none();
+    draft.trial.built.iter().find(inner).or(draft.trial.built.first()).copied()
 }
 
 /// Proposes a pinned patch as a whole, with its roots in the ports that they fall on. False if the patch does not lie inside

@@ -14,7 +14,7 @@ use glam::DVec2;
 use std::ops::RangeInclusive;
 
 /// How much an initial patch may be drawn out along its main street.
-const STRETCHED: RangeInclusive<f64> = 0.8..=1.25;
+pub const STRETCHED: RangeInclusive<f64> = 0.8..=1.25;
 
 /// Lays patterns, and initial patches in place of some stubs. Their ends and those of the other stubs become the first
 /// candidate vertices.
@@ -79,7 +79,7 @@ fn start_with_patch(
     let radius = placer.patches.patches[pick].radius;
     let root_at = placer.patches.patches[pick].vertices[root];
     let mut removed = RemovedStubs::default();
-    removed.remove(&mut draft.canvas, port as VertexIx);
+    removed.remove(&mut draft.canvas, draft.brief.ports.len(), port);
     draft.gather(at, 2.0 * radius + draft.rules.growth.gap + draft.rules.growth.min_piece);
     let first_mirrored = draft.rng.chance(0.5);
     for mirrored in [first_mirrored, !first_mirrored] {

@@ -1,17 +1,13 @@
 //! What is never laid of the patches and patterns of a set, and why: in cells of one style, or whatever the style asks.
 
 use super::filler::{left_out_by, weight_of};
+use super::pattern::OF_SCALE;
+use super::start::STRETCHED;
 use crate::patch::{DrawingRules, Flaw, Patch, PatchDatabase, STRETCH};
 use crate::streets::cell::drawing_rules;
 use crate::style::Style;
 use glam::DVec2;
 use std::fmt;
-
-/// Least factor by which a patch is drawn out along a main street, at which it stands alone.
-const LEAST_ALONG: f64 = 0.8;
-
-/// Share of the least scale of a pattern to which an element may still be drawn together along a main street.
-const LEAST_SCALE: f64 = 0.95;
 
 /// How many times as large as those that were measured other cells may be.
 const LARGER: f64 = 1.25;
@@ -122,7 +118,7 @@ impl NeverLaid {
 /// change. `set` has the patches and patterns of one set, all of them.
 pub fn patch_never_laid(set: &PatchDatabase, patch: usize, style: Option<StyleCells<'_>>) -> Option<NeverLaid> {
     let drawn = &set.patches[patch];
-    let count = style.and_then(|s| s.style.patches.iter().find(|c| c.patch == drawn.name));
+    let count = style.and_then(|s| s.style.count_of(&drawn.name));
     // What stands in any case is not chosen, and keeps to no more than every drawing does.
     if let Some(StyleCells { style, .. }) = style
         && count.is_some_and(|c| c.at_least > 0)
@@ -142,7 +138,7 @@ pub fn patch_never_laid(set: &PatchDatabase, patch: usize, style: Option<StyleCe
         };
         return (!(0..set.patterns().len()).any(stands)).then_some(NeverLaid::NothingToConnect);
     }
-    let least = if facts.main.is_some() { LEAST_ALONG } else { 1.0 - STRETCH };
+    let least = if facts.main.is_some() { *STRETCHED.start() } else { 1.0 - STRETCH };
     too_large(core(set, patch).scaled(least), style)
 }
 
@@ -162,7 +158,7 @@ pub fn pattern_never_laid(set: &PatchDatabase, pattern: usize, style: Option<Sty
             return Some(NeverLaid::NoPatterns(none));
         }
     }
-    let least = entry.pattern.scale.0 * if is_along { LEAST_SCALE } else { 1.0 };
+    let least = entry.pattern.scale.0 * if is_along { OF_SCALE.0 } else { 1.0 };
     too_large(core(set, entry.element).scaled(least), style)
 }
 
@@ -177,7 +173,7 @@ fn unfit_as_element(set: &PatchDatabase, patch: usize, style: Option<StyleCells<
     if drawn.weight == 0.0 || style.is_some_and(|s| weight_of(s.style, drawn) == 0.0) {
         return Some(NeverLaid::Weight);
     }
-    let limited = |s: StyleCells<'_>| s.style.patches.iter().any(|c| c.patch == drawn.name && c.at_most == Some(0));
+    let limited = |s: StyleCells<'_>| s.style.count_of(&drawn.name).is_some_and(|c| c.at_most == Some(0));
     if drawn.at_most == Some(0) || style.is_some_and(limited) {
         return Some(NeverLaid::AtMost);
     }
