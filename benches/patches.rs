@@ -212,13 +212,11 @@ fn available(sets: &Sets, style: &Style) -> usize {
 fn with_rest(sets: &Sets, count: usize, rest: &str) -> Sets {
     let all = patches(sets).count();
     let kept: BTreeSet<usize> = (0..count).map(|i| i * all / count).collect();
-    let mut index = 0;
     let mut out = sets.clone();
-    for patch in out.values_mut().flat_map(|set| &mut Arc::make_mut(set).patches) {
+    for (index, patch) in out.values_mut().flat_map(|set| &mut Arc::make_mut(set).patches).enumerate() {
         if !kept.contains(&index) {
             patch.tags.insert(rest.to_owned());
         }
-        index += 1;
     }
     out
 }
