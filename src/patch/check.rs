@@ -3,7 +3,7 @@
 use crate::network::PlanarGraph;
 use crate::patch::file::{Line, PatchDrawing};
 use crate::patch::{Connectable, Pair, Patch, PatchEdge};
-use crate::space::{math::angle_between, quantize, segment_distance};
+use crate::space::{DisjointSets, math::angle_between, quantize, segment_distance};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -113,7 +113,7 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
     let mut patch = Patch {
         name,
         radius: vertices.iter().map(|v| v.length()).fold(0.0, f64::max),
-        pairs: pairs(&vertices, &connectables),
+        pairs: pairs(&vertices, &connectables, &edges),
         vertices,
         edges,
         tags: tags.into_iter().collect(),
@@ -234,11 +234,17 @@ fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) 
     }
 }
 
-/// Pairs of connectable vertices, nearest first.
-fn pairs(vertices: &[DVec2], connectables: &[Connectable]) -> Vec<Pair> {
+/// Pairs of connectable vertices that local streets connect, nearest first.
+fn pairs(vertices: &[DVec2], connectables: &[Connectable], edges: &[PatchEdge]) -> Vec<Pair> {
     let at = |i: usize| vertices[connectables[i].vertex];
+    let mut parts = DisjointSets::new();
+    for e in edges.iter().filter(|e| !e.main) {
+        parts.union(e.a, e.b);
+    }
+    let part: Vec<usize> = connectables.iter().map(|c| parts.find(c.vertex)).collect();
     let mut pairs: Vec<Pair> = (0..connectables.len())
         .flat_map(|b| (0..b).map(move |a| Pair { a, b, distance: at(a).distance(at(b)) }))
+        .filter(|pair| part[pair.a] == part[pair.b])
         .collect();
     pairs.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.a, x.b).cmp(&(y.a, y.b))));
     pairs

@@ -153,7 +153,7 @@ impl Patch {
         self.vertices[a].distance(self.vertices[b])
     }
 
-    fn locals_hang_together(&self) -> bool {
+    pub(super) fn locals_hang_together(&self) -> bool {
         let Some(first) = self.edges.iter().find(|e| !e.main) else { return false };
         let mut reached = vec![false; self.vertices.len()];
         let mut stack = vec![first.a];

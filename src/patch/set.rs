@@ -12,7 +12,7 @@ pub struct Connectable {
     pub inward: DVec2,
 }
 
-/// Two connectable vertices and their distance.
+/// Two connectable vertices that local streets connect, and their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Index into [`Patch::connectables`] of the first.

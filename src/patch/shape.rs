@@ -34,6 +34,8 @@ pub struct PatchShape {
     pub shaped: Vec<bool>,
     /// Whether it has a roundabout, so that only placements which leave it round keep its shape.
     pub round: bool,
+    /// Whether its local streets hang together. Those of a patch with a main street may be connected by that street alone.
+    pub whole: bool,
     /// Greatest cosine of the angle between two edges at a vertex.
     sharpest: f64,
     /// Greatest number of edges at a vertex.
@@ -94,6 +96,7 @@ impl PatchShape {
         shape.sound = patch.flaw(&DrawingRules::NONE).is_none();
         shape.shaped = patch.shaped_vertices();
         shape.round = patch.tags.contains(tag::ROUNDABOUT);
+        shape.whole = patch.locals_hang_together();
         shape.most_streets = around.iter().map(Vec::len).max().unwrap_or(0);
         shape.sharpest = -1.0;
         for (v, here) in around.iter().enumerate() {

@@ -105,6 +105,27 @@ impl Proposal {
         far[to]
     }
 
+    /// For each point the least point that the edges of the proposal connect it to: its connected part.
+    pub fn parts(&self) -> Vec<usize> {
+        let mut parts: Vec<usize> = (0..self.points.len()).collect();
+        let mut changed = true;
+        while std::mem::take(&mut changed) {
+            for &(a, b) in &self.edges {
+                let least = parts[a].min(parts[b]);
+                changed |= parts[a] != parts[b];
+                (parts[a], parts[b]) = (least, least);
+            }
+        }
+        parts
+    }
+
+    /// Whether every connected part meets a street that is built.
+    pub fn every_part_is_joined(&self) -> bool {
+        let parts = self.parts();
+        let joined = |part: &usize| (0..self.points.len()).any(|i| parts[i] == *part && self.joined(i));
+        parts.iter().all(joined)
+    }
+
     /// Whether a point meets a street that is built.
     pub fn joined(&self, point: usize) -> bool {
         !matches!(self.joins[point], Join::Free(_))
@@ -158,6 +179,19 @@ impl Proposal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_are_what_edges_connect() {
+        let mut p = Proposal::default();
+        for i in 0..7 {
+            p.push(DVec2::X * f64::from(i), if i == 6 { Join::At(9) } else { Join::Free(false) });
+        }
+        p.edges = vec![(5, 6), (1, 3), (4, 3), (2, 5), (0, 4)];
+        assert_eq!(p.parts(), [0, 0, 2, 0, 0, 2, 2]);
+        assert!(!p.every_part_is_joined());
+        p.joins[3] = Join::On(2);
+        assert!(p.every_part_is_joined());
+    }
 
     #[test]
     fn points_without_an_edge_are_left_out() {

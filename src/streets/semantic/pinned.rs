@@ -26,12 +26,12 @@ pub struct PinnedPatch {
     pub piece: Option<usize>,
 }
 
-/// A pinned patch that stands in the graph.
+/// A connected part of a pinned patch that stands in the graph. A patch falls apart where only its main street connects it.
 #[derive(Clone, Copy, Debug)]
-pub struct StandingPatch {
-    /// Index into the list of pinned patches.
+pub struct StandingPart {
+    /// Index of the patch into the list of pinned patches.
     pub index: usize,
-    /// One of its vertices; all its streets are connected.
+    /// One vertex of the part.
     pub vertex: VertexIx,
 }
 
@@ -41,14 +41,14 @@ fn placement(pinned: &PinnedPatch) -> Placement {
     Placement::new((pinned.patch, usize::MAX, DVec2::ZERO), DVec2::X, pinned.mirrored, pinned.at, to)
 }
 
-/// Lays the pinned patches in order and returns those that stand. `left_out` has the indices of patches that are not tried; the
+/// Lays the pinned patches in order and returns the parts of those that stand. `left_out` has the indices of patches that are not tried; the
 /// patches that do not fit are added to it.
 pub fn lay_pinned(
     draft: &mut Draft<'_>,
     placer: &mut Placer<'_>,
     pinned: &[PinnedPatch],
     left_out: &mut Vec<usize>,
-) -> Vec<StandingPatch> {
+) -> Vec<StandingPart> {
     let limits = draft.rules.closest;
     let mut standing = Vec::new();
     for (index, pinned) in pinned.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn lay_pinned(
             continue;
         }
         match lay(draft, placer, pinned, &limits) {
-            Some(vertex) => standing.push(StandingPatch { index, vertex }),
+            Some(parts) => standing.extend(parts.into_iter().map(|vertex| StandingPart { index, vertex })),
             None => left_out.push(index),
         }
     }
@@ -64,8 +64,14 @@ pub fn lay_pinned(
     standing
 }
 
-/// Lays a pinned patch and returns one of its vertices. If the patch breaks a rule, nothing changes and the result is `None`.
-pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch, limits: &Limits) -> Option<VertexIx> {
+/// Lays a pinned patch and returns a vertex of each of its connected parts. If the patch breaks a rule, nothing changes and the
+/// result is `None`.
+pub fn lay(
+    draft: &mut Draft<'_>,
+    placer: &mut Placer<'_>,
+    pinned: &PinnedPatch,
+    limits: &Limits,
+) -> Option<Vec<VertexIx>> {
     if !propose_pinned(draft, placer.patches, pinned) {
         return None;
     }
@@ -93,9 +99,15 @@ pub fn lay(draft: &mut Draft<'_>, placer: &mut Placer<'_>, pinned: &PinnedPatch,
             draft.candidates.push_back(v);
         }
     }
-    // A port is connected whatever stands there.
-    let inner = |v: &&VertexIx| draft.canvas.nodes[**v as usize].port.is_none();
-    draft.trial.built.iter().find(inner).or(draft.trial.built.first()).copied()
+    let parts = draft.trial.proposal.parts();
+    let of_part = |part: usize| {
+        let mut vertices = draft.trial.built.iter().zip(&parts).filter(|(_, p)| **p == part).map(|(v, _)| *v);
+        let first = vertices.next()?;
+        // A port is connected whatever stands there.
+        let is_port = |v: VertexIx| draft.canvas.nodes[v as usize].port.is_some();
+        Some(if is_port(first) { vertices.find(|v| !is_port(*v)).unwrap_or(first) } else { first })
+    };
+    Some((0..parts.len()).filter_map(of_part).collect())
 }
 
 /// Proposes a pinned patch as a whole, with its roots in the ports that they fall on. False if the patch does not lie inside

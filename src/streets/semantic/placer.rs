@@ -183,6 +183,8 @@ impl<'a> Placer<'a> {
         (draft.trial.proposal, self.slots, draft.trial.line) = (p, slots, line);
         let (p, rules) = (&draft.trial.proposal, &draft.rules);
         fits && p.ends_keep_apart(&rules.repair)
+            // What only its main street holds together must begin on the network in every part.
+            && (shape.whole || p.every_part_is_joined())
             // Of three roots the middle one may be moved to its port.
             && (placement.is_as_drawn() && anchors.len() < 3 || keeps_rules(&p.points, &p.edges, 1.0, &rules.drawings))
     }

@@ -110,6 +110,20 @@ fn fill(filler: &PatchFiller, cell: &PortCell<'_>) -> CellStreets {
     out
 }
 
+#[test]
+fn a_patch_that_only_its_main_street_connects_leaves_nothing_loose() {
+    let filler = with_set(
+        "(patches: [(name: \"two\", vertices: [(0, 0), (0, 70), (70, 0), (70, 70), (70, 140), (140, 70)],
+            streets: [(0, 1), [2, 3, 4], (3, 5)], main: [(0, 2)])],
+         patterns: [(name: \"row\", element: \"two\", repeat: (1, 3))])",
+    );
+    let (styles, mut used) = (styles(), 0);
+    for seed in 0..60 {
+        used += made_of(&fill(&filler, &PortCell::new(seed, &styles)), "two");
+    }
+    assert!(used > 60, "{used} streets are of the patch");
+}
+
 /// Number of streets that a patch of this set made the most of.
 fn made_of(out: &CellStreets, patch: &str) -> usize {
     let is = |origin: &StreetOrigin| matches!(origin, StreetOrigin::Piece(name) if **name == *format!("q/{patch}"));
