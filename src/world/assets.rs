@@ -80,14 +80,18 @@ impl WorldAssets {
         out
     }
 
-    /// Reads the `*.ron` files under `styles/` and `patches/` in a folder, without hidden files and locks of editors.
+    /// Reads the `*.ron` files under `styles/` and `patches/` in a folder, without hidden files and locks of editors. Styles that
+    /// name no patch set need no folder `patches/`.
     ///
     /// # Errors
     ///
-    /// If either folder or a file in it cannot be read, or if a file has a mistake: then with line and column.
+    /// If a folder or a file in it cannot be read, or if a file has a mistake: then with line and column.
     pub fn from_dir(dir: &Path) -> Result<Self, FileError> {
         let mut out = Self::default();
         for folder in ["styles", "patches"] {
+            if folder == "patches" && !dir.join(folder).exists() {
+                continue;
+            }
             for file in ron_files(&dir.join(folder))? {
                 out.add(&file.to_string_lossy(), &read_text(&file, LARGEST_FILE)?)?;
             }
@@ -181,6 +185,19 @@ mod tests {
         let assets = WorldAssets::bundled();
         assert!(assets.check(&Settings::default()).is_ok());
         assert!(assets.patch_sets.values().map(|s| s.patches.len()).sum::<usize>() >= 30);
+    }
+
+    #[test]
+    fn a_folder_without_patches_serves_styles_that_name_none() {
+        let dir = std::env::temp_dir().join(format!("bevy-sprawl-no-patches-{}", std::process::id()));
+        std::fs::create_dir_all(dir.join("styles")).unwrap();
+        std::fs::write(dir.join("styles/bare.ron"), "(patch_sets: [])").unwrap();
+        let assets = WorldAssets::from_dir(&dir).unwrap();
+        std::fs::remove_dir_all(dir.join("styles")).unwrap();
+        let missing = WorldAssets::from_dir(&dir);
+        std::fs::remove_dir_all(&dir).unwrap();
+        assert_eq!(assets.styles.keys().collect::<Vec<_>>(), ["bare"]);
+        assert!(assets.patch_sets.is_empty() && missing.is_err());
     }
 
     #[test]
