@@ -156,7 +156,8 @@ impl Hash {
             Some(StreetOrigin::Repair) => 2,
             Some(StreetOrigin::Piece(_)) => 3,
         };
-        let flags = u64::from(s.bridge) | u64::from(s.tunnel) << 1;
+        let island = s.island.map_or(0, |side| 1 + side as u64);
+        let flags = u64::from(s.bridge) | u64::from(s.tunnel) << 1 | island << 2;
         [s.id.0, s.from.0, s.to.0, s.level as u64, flags, made_by].into_iter().for_each(|w| self.word(w));
         self.text(s.class.name());
         self.line(&s.line);

@@ -3,9 +3,11 @@
 
 mod assemble;
 mod ground;
+mod lanes;
 
 pub use assemble::assemble;
 pub use ground::Ground;
+pub use lanes::ChunkLanes;
 
 use crate::network::{Junction, Street};
 use crate::parcel::{Block, Footprint, Lot};

@@ -1,7 +1,7 @@
 //! GeoJSON in plan metres, or in degrees where the plan lies on the globe: streets, roads, junctions, blocks, lots, buildings and settlements.
 
-use crate::export::{ExportError, Plan, hex};
-use crate::network::{JunctionId, SizeClass, StreetClass};
+use crate::export::{ExportError, Plan, hex, traffic::AreaTraffic};
+use crate::network::{JunctionId, SizeClass, StreetClass, Traffic};
 use crate::parcel::BlockUse;
 use crate::space::{Bounds, ChunkCoord, Geographic};
 use crate::world::Owned;
@@ -12,13 +12,20 @@ use std::io::Write;
 
 use geojson::{Feature, GeometryValue, Position};
 
+/// What else to write.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Lanes (`kind` lane) of all streets and roads, and turns (`kind` turn) through the junctions in the square.
+    pub lanes: bool,
+}
+
 /// Writes a plan as a feature collection whose `bbox` is the square that was asked for.
 ///
 /// Every feature has `kind`, `class` and `id`. Streets and roads also have `from` and `to`, and `level`, `bridge` and `tunnel`
-/// where they are not 0 or false. A feature that a chunk owns has that `chunk`. A junction has the class of the widest street
+/// where they are not 0 or false, `oneway` (true, or "against" where traffic goes from `to` to `from`) and `roundabout`. A feature that a chunk owns has that `chunk`. A junction has the class of the widest street
 /// that ends there. Coordinates in plan metres are exact: reading them gives the bits that were written. With
 /// [`Plan::projection`] they are longitude and latitude, to a tenth of a millimetre, as RFC 7946 wants them.
-pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
+pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(), ExportError> {
     let corners = [plan.area.bounds.min, plan.area.bounds.max].map(|p| Place(plan.projection).of(p));
     let bounds = Bounds::of(corners);
     let bbox = json!([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]);
@@ -32,6 +39,9 @@ pub fn write(plan: &Plan<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
     settlements(plan, &mut put)?;
     parcels(plan, &mut put)?;
     network(plan, &mut put)?;
+    if options.lanes {
+        lanes(plan, &mut put)?;
+    }
     out.write_all(b"\n]}\n")?;
     Ok(())
 }
@@ -98,8 +108,14 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         if street.level != 0 {
             fields.insert("level".into(), json!(street.level));
         }
-        let one_way = street.class.is_one_way();
-        for (name, set) in [("bridge", street.bridge), ("tunnel", street.tunnel), ("oneway", one_way)] {
+        // A one-way street is reversed where traffic drives on the other side.
+        match street.traffic(plan.driving) {
+            Traffic::Both => {}
+            Traffic::Along => drop(fields.insert("oneway".into(), json!(true))),
+            Traffic::Against => drop(fields.insert("oneway".into(), json!("against"))),
+        }
+        let roundabout = street.island.is_some();
+        for (name, set) in [("bridge", street.bridge), ("tunnel", street.tunnel), ("roundabout", roundabout)] {
             if set {
                 fields.insert(name.into(), json!(true));
             }
@@ -111,6 +127,37 @@ fn network(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
         let class = widest.get(&junction.item.id).copied().unwrap_or(StreetClass::Local);
         let fields = owned("junction", class.name(), junction.item.id.0, junction.chunk);
         put(feature(GeometryValue::Point { coordinates: place.position(junction.item.at + origin) }, fields))?;
+    }
+    Ok(())
+}
+
+fn lanes(plan: &Plan<'_>, put: &mut Put<'_>) -> Result<(), ExportError> {
+    let (place, origin) = (Place(plan.projection), plan.area.origin.plan());
+    let line = |line: &[DVec2]| GeometryValue::LineString {
+        coordinates: line.iter().map(|p| place.position(*p + origin)).collect(),
+    };
+    let traffic = AreaTraffic::new(plan.area, plan.driving);
+    for Owned { chunk, item } in &plan.area.streets {
+        for lane in traffic.lanes(&item.street) {
+            let mut fields = owned("lane", lane.class.name(), lane.id.0, *chunk);
+            fields.insert("street".into(), json!(hex(lane.street.0)));
+            fields.insert("direction".into(), json!(if lane.along { "along" } else { "against" }));
+            fields.insert("index".into(), json!(lane.index));
+            fields.insert("width".into(), json!(lane.width));
+            fields.insert("speed_kmh".into(), json!((lane.speed * 3.6).round()));
+            put(feature(line(&lane.line), fields))?;
+        }
+    }
+    for junction in &plan.area.junctions {
+        for turn in traffic.junctions.get(&junction.item.id).iter().flat_map(|j| &j.turns) {
+            let (kind, control) = (turn.kind.name(), turn.control.name());
+            let mut fields = owned("turn", kind, turn.id(), junction.chunk);
+            fields.insert("junction".into(), json!(hex(junction.item.id.0)));
+            fields.insert("from".into(), json!(hex(turn.from.0)));
+            fields.insert("to".into(), json!(hex(turn.to.0)));
+            fields.insert("control".into(), json!(control));
+            put(feature(line(&turn.line), fields))?;
+        }
     }
     Ok(())
 }
@@ -172,7 +219,7 @@ mod tests {
         let town = testing::area(DVec2::new(400.0, -300.0));
         let projection = Geographic::around(DVec2::new(9.0, 47.0)).unwrap();
         let mut file = Vec::new();
-        write(&Plan { projection: Some(projection), ..town.plan() }, &mut file).unwrap();
+        write(&Plan { projection: Some(projection), ..town.plan() }, Options::default(), &mut file).unwrap();
         let read: geojson::FeatureCollection = String::from_utf8(file).unwrap().parse().unwrap();
         let on_plan = |p: &[f64]| projection.to_plan(DVec2::new(p[0], p[1]));
         let bbox = read.bbox.unwrap();
@@ -193,10 +240,34 @@ mod tests {
     }
 
     #[test]
+    fn lanes_and_turns_join_by_id() {
+        let town = testing::area(DVec2::new(400.0, -300.0));
+        let mut file = Vec::new();
+        write(&town.plan(), Options { lanes: true }, &mut file).unwrap();
+        let read: geojson::FeatureCollection = String::from_utf8(file).unwrap().parse().unwrap();
+        let text = |f: &Feature, key: &str| f.property(key).and_then(|v| v.as_str()).unwrap_or_default().to_owned();
+        let of = |kind: &str| read.features.iter().filter(|f| text(f, "kind") == kind).collect::<Vec<_>>();
+        let ends = |f: &Feature| match f.geometry.as_ref().map(|g| &g.value) {
+            Some(GeometryValue::LineString { coordinates: line }) => {
+                [0, line.len() - 1].map(|i| [line[i].as_slice()[0], line[i].as_slice()[1]])
+            }
+            other => panic!("{other:?}"),
+        };
+        let lanes: BTreeMap<String, [[f64; 2]; 2]> = of("lane").into_iter().map(|f| (text(f, "id"), ends(f))).collect();
+        let turns = of("turn");
+        assert!(lanes.len() >= 2 * town.area.streets.len() && turns.len() > 100);
+        for turn in turns {
+            let [from, to] = ends(turn);
+            assert_eq!(lanes[&text(turn, "from")][1], from);
+            assert_eq!(lanes[&text(turn, "to")][0], to);
+        }
+    }
+
+    #[test]
     fn positions_far_out_and_ids_come_back_bit_for_bit() {
         let town = testing::area(DVec2::new(1.0e11, -3.0e10));
         let mut file = Vec::new();
-        write(&town.plan(), &mut file).unwrap();
+        write(&town.plan(), Options::default(), &mut file).unwrap();
         let file = String::from_utf8(file).unwrap();
         let read: geojson::FeatureCollection = file.parse().unwrap();
         let street = &town.area.streets[0];

@@ -11,11 +11,12 @@ pub mod osm;
 pub mod png;
 mod relief;
 pub mod svg;
+mod traffic;
 
 pub use clip::clipped;
 
 use crate::layer::{Cancel, LayerError};
-use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::network::{Junction, JunctionId, Side, Street, StreetClass, StreetId};
 use crate::region::{Outline, RoadNetwork, RoadSection};
 use crate::space::{Bounds, Geographic, quantize};
 use crate::stack::{PlacedStreet, owner_of, street_owner};
@@ -46,6 +47,8 @@ pub struct Plan<'a> {
     pub terrain: &'a dyn Terrain,
     /// Edge of a chunk in metres.
     pub chunk_size: i64,
+    /// The side of the road on which traffic drives.
+    pub driving: Side,
     /// Real roads to compare with, drawn under the plan's own roads in pictures.
     pub real: Option<&'a Area>,
     /// Where the plan lies on the globe. With it GeoJSON and OSM are in the longitudes and latitudes of that place.

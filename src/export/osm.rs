@@ -1,6 +1,6 @@
 //! OpenStreetMap XML, with the plan laid at latitude 0, longitude 0, or where it lies on the globe.
 
-use crate::export::{ExportError, Plan, geojson::size_name};
+use crate::export::{ExportError, Plan, geojson::size_name, traffic::AreaTraffic};
 use crate::network::StreetClass;
 use crate::parcel::BlockUse;
 use crate::space::{Geographic, stable_hash};
@@ -26,7 +26,8 @@ pub struct Options {
 
 /// Writes a plan with a point of it at latitude 0, longitude 0, or with [`Plan::projection`] where it lies on the globe.
 ///
-/// Each street is a way with `highway`; its points are nodes, and a junction is one node that all its streets share.
+/// Each street is a way with `highway`; its points are nodes, and a junction is one node that all its streets share. Ways have
+/// `lanes` and `maxspeed`, and where it matters `oneway`, `junction=roundabout` and `turn:lanes`.
 pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(), ExportError> {
     let area = plan.area;
     let place = match plan.projection {
@@ -53,6 +54,7 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
     for junction in &area.junctions {
         junctions.insert(junction.item.id, file.node(&[junction.item.id.0], junction.item.at, &[])?);
     }
+    let traffic = AreaTraffic::new(area, plan.driving);
     let mut ways: Vec<(u64, Vec<u64>, Tags)> = Vec::new();
     for street in area.streets.iter().map(|s| &s.item.street) {
         let (Some(&from), Some(&to)) = (junctions.get(&street.from), junctions.get(&street.to)) else {
@@ -63,10 +65,11 @@ pub fn write(plan: &Plan<'_>, options: Options, out: &mut dyn Write) -> Result<(
             nodes.push(file.node(&[street.id.0, i as u64], *point, &[])?);
         }
         nodes.push(to);
-        let mut tags: Tags = vec![("highway", highway(street.class).into())];
-        if street.class.is_one_way() {
-            tags.push(("oneway", "yes".into()));
+        if traffic.is_reversed(street) {
+            nodes.reverse();
         }
+        let mut tags: Tags = vec![("highway", highway(street.class).into())];
+        tags.extend(traffic.tags(street));
         if street.bridge {
             tags.push(("bridge", "yes".into()));
         }
@@ -210,6 +213,7 @@ impl File<'_> {
 mod tests {
     use super::*;
     use crate::export::clipped;
+    use crate::network::Side;
     use crate::space::Bounds;
     use crate::testing;
 
@@ -293,6 +297,27 @@ mod tests {
         let file = of(&town.plan(), Options::default());
         assert_eq!(file.matches("k=\"highway\" v=\"primary_link\"").count(), 1);
         assert_eq!(file.matches("k=\"oneway\" v=\"yes\"").count(), 1);
+        let left = of(&Plan { driving: Side::Left, ..town.plan() }, Options::default());
+        let ends = |file: &str| {
+            let way = file.split("<way ").find(|way| way.contains("primary_link")).unwrap();
+            let refs: Vec<&str> = way.split("ref=\"").skip(1).map(|r| &r[..r.find('"').unwrap()]).collect();
+            [refs[0].to_owned(), refs[refs.len() - 1].to_owned()]
+        };
+        let [from, to] = ends(&file);
+        assert_eq!(ends(&left), [to, from], "traffic on the left drives the other way");
+    }
+
+    #[test]
+    fn roundabouts_lanes_and_turns_are_tagged() {
+        let mut town = testing::area(DVec2::ZERO);
+        for street in town.area.streets.iter_mut().map(|s| &mut s.item.street).filter(|s| s.class == StreetClass::Main) {
+            street.class = StreetClass::Arterial;
+        }
+        town.area.streets[0].item.street.island = Some(Side::Left);
+        let file = of(&town.plan(), Options::default());
+        assert_eq!(file.matches("k=\"junction\" v=\"roundabout\"").count(), 1);
+        assert!(file.contains("k=\"lanes\" v=\"4\"") && file.contains("k=\"maxspeed\" v=\"50\""), "{file}");
+        assert!(file.contains("k=\"turn:lanes:forward\" v=\"left;through|through;right\""), "{file}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Junctions, streets and their classes.
 
+use crate::network::Side;
 use crate::space::{Bounds, line_length, stable_hash};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -92,7 +93,7 @@ impl StreetClass {
         matches!(self, Self::Highway | Self::Major | Self::Minor)
     }
 
-    /// Whether traffic goes only from the junction `from` of a street to its junction `to`.
+    /// Whether traffic that drives on the right goes only from the junction `from` of a street to its junction `to`.
     pub fn is_one_way(self) -> bool {
         self == Self::Ramp
     }
@@ -144,12 +145,14 @@ pub struct Street {
     pub bridge: bool,
     /// Whether the street runs under the ground.
     pub tunnel: bool,
+    /// If the street is part of the ring of a roundabout, the side on which the island lies.
+    pub island: Option<Side>,
 }
 
 impl Street {
     /// A street on the ground.
     pub fn new(id: StreetId, class: StreetClass, from: JunctionId, to: JunctionId, line: Vec<DVec2>) -> Self {
-        Self { id, class, from, to, line, level: 0, bridge: false, tunnel: false }
+        Self { id, class, from, to, line, level: 0, bridge: false, tunnel: false, island: None }
     }
 
     /// Size in memory, in bytes.

@@ -1,13 +1,11 @@
 //! What a patch means for growth, found from its geometry (Teng 2017, section 3.1 and Table 1).
 
-use crate::network::{Face, VertexIx};
+use crate::network::{Face, VertexIx, is_round};
 use crate::patch::{Patch, tag};
-use crate::space::math::{angle_between, turn};
+use crate::space::math::turn;
 use crate::space::{cross, distance_to_segment};
 use glam::DVec2;
 
-/// Greatest radius of a roundabout, in metres.
-const ROUNDABOUT_RADIUS: f64 = 40.0;
 /// Distance from a line, in metres, up to which vertices still lie on it.
 const STRAIGHT: f64 = 0.5;
 
@@ -204,14 +202,10 @@ impl Patch {
         distinct.dedup();
         let arms = face.vertices.iter().filter(|v| self.is_intersection(**v as usize)).count();
         let main = face.walk.iter().any(|h| self.edges[h.edge as usize].main);
-        if face.area() <= 0.0 || n < 6 || distinct.len() < n || arms < 2 || main {
+        if face.area() <= 0.0 || distinct.len() < n || arms < 2 || main {
             return false;
         }
-        let centre = crate::space::centroid(ring);
-        let radius = ring.iter().map(|p| p.distance(centre)).sum::<f64>() / n as f64;
-        let round = ring.iter().all(|p| (p.distance(centre) - radius).abs() <= radius / 8.0);
-        let dense = (0..n).all(|i| angle_between(ring[i] - centre, ring[(i + 1) % n] - centre) <= 65f64.to_radians());
-        radius <= ROUNDABOUT_RADIUS && round && dense
+        is_round(ring)
     }
 
     fn is_curve(&self, street: &[usize]) -> bool {

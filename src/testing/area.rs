@@ -1,7 +1,7 @@
 //! The content of a square: a small town on hilly ground.
 
 use crate::export::Plan;
-use crate::network::{Junction, JunctionId, SizeClass, Street, StreetClass, StreetId};
+use crate::network::{Junction, JunctionId, Side, SizeClass, Street, StreetClass, StreetId};
 use crate::parcel::{Block, BlockUse, Footprint, Lot, STOREY_HEIGHT};
 use crate::region::{Outline, Settlement, SettlementId};
 use crate::space::{Bounds, ChunkCoord, Origin, math, quantize};
@@ -33,7 +33,7 @@ impl Terrain for Hills {
 impl AreaCase {
     pub fn plan(&self) -> Plan<'_> {
         let (area, outlines, terrain) = (&self.area, &self.outlines[..], &self.terrain);
-        Plan { area, outlines, terrain, chunk_size: 512, real: None, projection: None }
+        Plan { area, outlines, terrain, chunk_size: 512, driving: Side::Right, real: None, projection: None }
     }
 }
 

@@ -1,6 +1,7 @@
 //! All settings of a world.
 
-use crate::layer::{FileError, RangeError, Ranged, Walk, from_ron};
+use crate::layer::{Choice, FileError, RangeError, Ranged, Walk, from_ron};
+use crate::network::Side;
 use crate::region::{RoadSettings, SettlementSettings};
 use crate::space::CHUNK_SIZE;
 use crate::terrain::TerrainSettings;
@@ -19,6 +20,8 @@ pub struct Settings {
     pub settlements: SettlementSettings,
     /// Roads.
     pub roads: RoadSettings,
+    /// The side of the road on which traffic drives.
+    pub driving: Side,
     /// Memory for caches.
     pub cache: CacheSettings,
 }
@@ -30,6 +33,7 @@ impl Default for Settings {
             terrain: TerrainSettings::default(),
             settlements: SettlementSettings::default(),
             roads: RoadSettings::default(),
+            driving: Side::default(),
             cache: CacheSettings::default(),
         }
     }
@@ -72,13 +76,18 @@ impl Settings {
     }
 }
 
+impl Choice for Side {
+    const CHOICES: &'static [Self] = &[Self::Left, Self::Right];
+}
+
 impl Ranged for Settings {
     fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
-        let Self { chunk_size, terrain, settlements, roads, cache } = self;
+        let Self { chunk_size, terrain, settlements, roads, driving, cache } = self;
         walk.steps("chunk_size", chunk_size, 64.0, (64.0, 4096.0))?;
         walk.within("terrain", terrain)?;
         walk.within("settlements", settlements)?;
         walk.within("roads", roads)?;
+        walk.choice("driving", driving)?;
         walk.within("cache", cache)?;
         roads.check_effort(settlements).map_err(|e| e.within("roads"))
     }

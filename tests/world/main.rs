@@ -1,6 +1,7 @@
 //! The one promise: what is made depends on seed, settings, assets and edits alone, wherever, whenever and on whichever thread.
 
 mod inputs;
+mod lanes;
 mod random;
 mod rivers;
 mod towns;

@@ -3,12 +3,12 @@
 use crate::beside;
 use crate::common::{At, Common};
 use crate::fail::{Fail, refuse_unused};
-use crate::output::{Format, Output, spelled_in_latin, write, write_pair};
+use crate::output::{FileOptions, Format, Output, spelled_in_latin, write, write_pair};
 use crate::values::{point, size};
 use crate::work;
 use bevy_sprawl::export::glb::PlacedMesh;
 use bevy_sprawl::export::svg::{Colouring, MapStyle};
-use bevy_sprawl::export::{self, Plan, glb, osm};
+use bevy_sprawl::export::{self, Plan, geojson, glb, osm};
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::space::Bounds;
@@ -60,6 +60,9 @@ pub struct MapArgs {
     /// Cut streets, blocks and buildings at the border of the square, in a GeoJSON or OSM file
     #[arg(long)]
     pub clip: bool,
+    /// Lanes, and turns through junctions, in a GeoJSON file too
+    #[arg(long)]
+    pub lanes: bool,
     /// Level of detail of a GLB [default: full]
     #[arg(long, value_name = "LEVEL")]
     pub detail: Option<DetailArg>,
@@ -138,6 +141,7 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
             outlines: &outlines,
             terrain: &*terrain,
             chunk_size: world.settings().chunk_size,
+            driving: world.settings().driving,
             real: None,
             projection: None,
         };
@@ -155,8 +159,11 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
                 write_pair([(&plan, &ours), (&real, &theirs)], format, &mut file)
             }
             None => {
-                let osm = osm::Options { everything: args.everything, origin: args.origin };
-                write(&plan, format, &style, osm, &mut file)
+                let options = FileOptions {
+                    osm: osm::Options { everything: args.everything, origin: args.origin },
+                    geojson: geojson::Options { lanes: args.lanes },
+                };
+                write(&plan, format, &style, options, &mut file)
             }
         };
         work::pool(common)?.install(draw)?;
@@ -195,6 +202,7 @@ fn check_flags(args: &MapArgs, format: Format) -> Result<(), Fail> {
             "a GeoJSON or OSM file: a name that ends in .geojson or .osm",
             args.clip && !matches!(format, Format::GeoJson | Format::Osm),
         ),
+        ("--lanes", "a GeoJSON file: a name that ends in .geojson", args.lanes && format != Format::GeoJson),
         ("--everything", "an OSM file: a name that ends in .osm", args.everything && format != Format::Osm),
         ("--detail", "a GLB file: a name that ends in .glb", args.detail.is_some() && format != Format::Glb),
     ])

@@ -29,19 +29,26 @@ impl Format {
     }
 }
 
+/// Options of the formats that have some.
+#[derive(Clone, Copy, Default)]
+pub struct FileOptions {
+    pub osm: osm::Options,
+    pub geojson: geojson::Options,
+}
+
 /// Writes a plan in any format but GLB.
 pub fn write(
     plan: &Plan<'_>,
     format: Format,
     style: &MapStyle,
-    options: osm::Options,
+    options: FileOptions,
     file: &mut dyn Write,
 ) -> Result<(), ExportError> {
     match format {
         Format::Svg => file.write_all(svg::write(plan, style)?.as_bytes())?,
         Format::Png => file.write_all(&png::write(plan, style)?)?,
-        Format::GeoJson => geojson::write(plan, file)?,
-        Format::Osm => osm::write(plan, options, file)?,
+        Format::GeoJson => geojson::write(plan, options.geojson, file)?,
+        Format::Osm => osm::write(plan, options.osm, file)?,
         Format::Glb => {}
     }
     Ok(())

@@ -13,12 +13,12 @@ use crate::common::{Common, Flag};
 use crate::crossings;
 use crate::edits::EditsFile;
 use crate::fail::Fail;
-use crate::output::{Format, Output, spelled_in_latin, write, write_pair};
+use crate::output::{FileOptions, Format, Output, spelled_in_latin, write, write_pair};
 use crate::work;
 pub use args::RoadsArgs;
 use bevy_sprawl::edits::{Edits, SettlementEdit};
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, ExportError, Plan, osm};
+use bevy_sprawl::export::{self, ExportError, Plan};
 use bevy_sprawl::layer::{FileError, error_at};
 use bevy_sprawl::region::{
     NetworkError, NetworkTask, RoadNetwork, RoadSettings, Settlement, SettlementSettings, SettlementTable,
@@ -90,6 +90,7 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
         outlines: &network.outlines,
         terrain: &*terrain,
         chunk_size: settings.chunk_size,
+        driving: settings.driving,
         real: real.as_ref(),
         projection: geographic,
     };
@@ -145,7 +146,7 @@ fn inputs(common: &Common, args: &RoadsArgs) -> Vec<PathBuf> {
 /// Writes the file: real roads under these, or on a map of their own beside that of these.
 fn draw(plan: &Plan<'_>, format: Format, style: &MapStyle, beside: bool, out: &mut Output) -> Result<(), ExportError> {
     let (true, Some(real)) = (beside, plan.real) else {
-        return write(plan, format, style, osm::Options::default(), out);
+        return write(plan, format, style, FileOptions::default(), out);
     };
     let mut theirs = real.clone();
     theirs.settlements.clone_from(&plan.area.settlements);

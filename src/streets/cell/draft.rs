@@ -78,6 +78,8 @@ pub struct Draft<'a> {
     pub trial: Trial,
     /// The cell's random choices.
     pub rng: Stream,
+    /// Whether a piece with a roundabout was laid: its ring is looked for when the cell is finished.
+    pub has_rings: bool,
     /// Candidate vertices of the propagation, in the order in which it comes to them.
     pub candidates: VecDeque<VertexIx>,
 }
@@ -92,6 +94,7 @@ impl<'a> Draft<'a> {
             rules,
             trial: Trial::default(),
             rng: brief.seed.stream("streets", &[brief.id.0]),
+            has_rings: false,
             candidates: VecDeque::new(),
         }
     }

@@ -4,10 +4,13 @@ use super::canvas::Maker;
 use super::draft::Draft;
 use super::exceptions::{Finished, exceptions};
 use super::rounding::rounded;
-use crate::network::{EdgeIx, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx};
+use crate::network::{
+    EdgeIx, Face, Junction, JunctionId, Street, StreetClass, StreetId, VertexIx, is_round, island_side,
+};
 use crate::space::quantum_key;
 use crate::streets::filler::{CellStreets, LocalStreet, MadeBy, StreetOrigin};
 use glam::DVec2;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The streets of the finished cell, made by the filler of this name. `pieces` names what it laid, by the number in
@@ -44,6 +47,7 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
     if any {
         chains = g.chains(is_end);
     }
+    let rings = rings(draft);
     let mut finished = Vec::with_capacity(chains.len());
     let mut lines = Vec::with_capacity(chains.len());
     for chain in chains {
@@ -61,7 +65,8 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
             Maker::Piece(number) => StreetOrigin::Piece(pieces[number as usize].clone()),
         };
         let line = rounded(&draft.canvas, &draft.rules, &vertices, line);
-        let street = Street::new(id, class, name(ends[0]), name(ends[1]), line);
+        let island = island_side(chain.iter().map(|(e, forward)| rings.get(e).map(|along| along == forward)));
+        let street = Street { island, ..Street::new(id, class, name(ends[0]), name(ends[1]), line) };
         lines.push(LocalStreet { street, made_by: MadeBy { filler, origin } });
         finished.push((ends, vertices, chain));
     }
@@ -83,4 +88,19 @@ pub fn finish(draft: &Draft<'_>, filler: &'static str, pieces: &[Arc<str>]) -> C
         }
     }
     out
+}
+
+/// The edges on the rings of roundabouts, each with whether its ring, counter-clockwise, passes it from its first vertex to its
+/// second.
+fn rings(draft: &Draft<'_>) -> BTreeMap<EdgeIx, bool> {
+    let g = &draft.canvas.graph;
+    if !draft.has_rings {
+        return BTreeMap::new();
+    }
+    let is_ring = |face: &Face| {
+        let arms = face.vertices.iter().filter(|v| g.degree(**v) > 2).count();
+        arms >= 2 && face.area() > 0.0 && is_round(&face.polygon)
+    };
+    let rings = g.faces().into_iter().filter(is_ring);
+    rings.flat_map(|face| face.walk).map(|h| (h.edge, h.forward)).collect()
 }

@@ -91,7 +91,7 @@ pub fn lay(
         stubs.restore(&mut draft.canvas);
         return None;
     }
-    placer.count_use(pinned.patch);
+    placer.count_use(draft, pinned.patch);
     for (i, &v) in draft.trial.built.iter().enumerate() {
         draft.canvas.nodes[v as usize].pinned = true;
         if draft.trial.proposal.joins[i] == Join::Free(true) {

@@ -73,15 +73,16 @@ impl<'a> Placer<'a> {
         used.map(|(name, uses)| (name.clone(), *uses)).collect()
     }
 
-    /// Counts one more use of a patch.
-    pub fn count_use(&mut self, patch: usize) {
+    /// Counts one more use of a patch, which was just built.
+    pub fn count_use(&mut self, draft: &mut Draft<'_>, patch: usize) {
+        draft.has_rings |= self.patches.facts(patch).shape.round;
         self.used[patch] += 1;
         self.weights_left[patch] = self.weight_after(patch, self.used[patch]);
     }
 
     /// Counts the patch that was just built and makes its connectable ends candidates.
     pub fn after_patch(&mut self, draft: &mut Draft<'_>, patch: usize) {
-        self.count_use(patch);
+        self.count_use(draft, patch);
         for (i, v) in draft.trial.built.iter().enumerate() {
             if draft.trial.proposal.joins[i] == Join::Free(true) {
                 draft.canvas.nodes[*v as usize].wanted_degree = 2;

@@ -3,7 +3,7 @@
 use super::border::BorderStreets;
 use super::cell_graph::CellGraph;
 use super::sketch::Sketch;
-use crate::network::{Face, Junction, JunctionId, Street, StreetId, VertexIx};
+use crate::network::{Face, Junction, JunctionId, Side, Street, StreetId, VertexIx, is_round};
 use crate::region::SettlementId;
 use crate::space::{line_length, point_at, point_in_polygon, pole, quantum_key, stable_hash};
 use crate::town::{CellId, CellSide, CellUse, MainCell, MainStreet};
@@ -93,6 +93,13 @@ pub(super) fn parts(
         let mut cell = cell(settlement, &face, side_of, |i| is_junction(face.vertices[i]));
         if sketch.open_spaces.iter().any(|p| point_in_polygon(*p, &cell.border)) {
             cell.cell_use = CellUse::Open;
+            if is_round(&cell.border) {
+                for side in &cell.sides {
+                    // The cell lies to the left of its border.
+                    let island = if side.forward { Side::Left } else { Side::Right };
+                    side.main.into_iter().for_each(|main| mains[main].street.island = Some(island));
+                }
+            }
         } else if site.river.as_ref().is_some_and(|river| river.is_water(graph, &face)) {
             cell.cell_use = CellUse::Water;
         }

@@ -1,0 +1,19 @@
+//! Lanes: where traffic drives. Makes the lanes of a street ([`lanes_of`]) and the turns that connect lanes through a junction
+//! ([`turns_at`]). Reads the street, or the junction and its streets; padding: none.
+//!
+//! A lane belongs to its street and a turn to its junction. Both are pure functions of them, so the chunks that see a street give
+//! its lanes the same ids and the same points, and lanes of neighbouring chunks join by id.
+//!
+//! Lanes run where streets are by themselves; turns run through the junction's part of streets, from the end of one lane to the
+//! start of another.
+
+mod control;
+mod curve;
+mod layout;
+mod turn;
+#[cfg(test)]
+mod tests;
+
+pub use control::Control;
+pub use layout::{Lane, LaneId, LaneRules, lanes_of};
+pub use turn::{JunctionTurns, Turn, TurnKind, ends_by_junction, turns_at};
