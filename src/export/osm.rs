@@ -310,7 +310,8 @@ mod tests {
     #[test]
     fn roundabouts_lanes_and_turns_are_tagged() {
         let mut town = testing::area(DVec2::ZERO);
-        for street in town.area.streets.iter_mut().map(|s| &mut s.item.street).filter(|s| s.class == StreetClass::Main) {
+        for street in town.area.streets.iter_mut().map(|s| &mut s.item.street).filter(|s| s.class == StreetClass::Main)
+        {
             street.class = StreetClass::Arterial;
         }
         town.area.streets[0].item.street.island = Some(Side::Left);

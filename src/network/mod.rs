@@ -14,7 +14,7 @@ mod traffic;
 pub use crossings::crossings;
 pub use faces::{Face, HalfEdge};
 pub use planar::{Edge, EdgeIx, Hit, PlanarGraph, VertexIx};
-pub use roundabout::{island_side, is_round};
+pub use roundabout::{is_round, island_side};
 pub use size_class::SizeClass;
 pub use street::{Junction, JunctionId, Network, STREET_FLOOR, Street, StreetClass, StreetId};
 pub use traffic::{Side, Traffic};

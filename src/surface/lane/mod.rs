@@ -10,9 +10,9 @@
 mod control;
 mod curve;
 mod layout;
-mod turn;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 pub use control::Control;
 pub use layout::{Lane, LaneId, LaneRules, lanes_of};

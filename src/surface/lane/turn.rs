@@ -78,8 +78,7 @@ impl Arm {
         let lanes = lanes_of(of, driving);
         let mut ends = segments(&of.line).filter(|(a, b)| a != b);
         let (a, b) = if begins { ends.next()? } else { ends.next_back().map(|(a, b)| (b, a))? };
-        let approach =
-            Approach { class: of.class, out: (b - a).normalize_or_zero(), ring: of.island.is_some() };
+        let approach = Approach { class: of.class, out: (b - a).normalize_or_zero(), ring: of.island.is_some() };
         let (leaving, arriving) = lanes.into_iter().partition(|lane| lane.along == begins);
         Some(Self { approach, arriving, leaving })
     }
@@ -123,8 +122,7 @@ pub struct JunctionTurns {
 /// back only where there is no other way on. From streets with several lanes, turns to the near side begin in the outermost
 /// lane and turns to the far side in the lane at the middle.
 pub fn turns_at(junction: JunctionId, ends: &[(&Street, bool)], driving: Side) -> JunctionTurns {
-    let arms: Vec<Arm> =
-        ends.iter().filter_map(|(s, begins)| Arm::new(s, *begins, driving)).collect();
+    let arms: Vec<Arm> = ends.iter().filter_map(|(s, begins)| Arm::new(s, *begins, driving)).collect();
     let controls = controls(&arms.iter().map(|arm| arm.approach).collect::<Vec<_>>());
     let near = if driving == Side::Right { TurnKind::Right } else { TurnKind::Left };
     let mut pairs: Vec<(Way, usize, usize)> = Vec::new();
@@ -175,8 +173,7 @@ fn ways_from(arms: &[Arm], from: usize) -> Vec<Way> {
     }
     let bend = |to: usize| math::turn(-arms[from].approach.out, arms[to].approach.out);
     let others = (0..arms.len()).filter(|to| *to != from && !arms[*to].leaving.is_empty());
-    let mut ways: Vec<Way> =
-        others.map(|to| Way { from, to, bend: bend(to), kind: TurnKind::Straight }).collect();
+    let mut ways: Vec<Way> = others.map(|to| Way { from, to, bend: bend(to), kind: TurnKind::Straight }).collect();
     let straightest = ways.iter().map(|way| way.bend.abs()).fold(f64::INFINITY, f64::min);
     for way in &mut ways {
         if way.bend.abs() > STRAIGHT || way.bend.abs() > straightest {
