@@ -2,7 +2,6 @@
 
 use crate::network::{Side, Street, StreetClass, StreetId, Traffic};
 use crate::space::{cut_line, quantize, stable_hash};
-use crate::surface::junction::junction_reach;
 use crate::surface::offset::offset_line;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -36,7 +35,7 @@ pub struct Lane {
     /// Greatest speed in metres per second.
     pub speed: f64,
     /// Centre line in the direction of traffic, local to the street's frame: two points or more, on the quantum grid. It leaves
-    /// out the parts of the street that belong to its junctions.
+    /// out both ends of the street, through which turns lead.
     pub line: Vec<DVec2>,
 }
 
@@ -74,6 +73,9 @@ impl LaneRules {
     }
 }
 
+/// Length at each end of a street in which turns lead from and to its lanes, in metres, and its greatest share of the street.
+const TURNS: (f64, f64) = (18.0, 0.4);
+
 /// The lanes of a street where traffic drives on the side `driving`: those along the street, then those against it, in each
 /// direction from the middle of the street outwards. None for a street shorter than half a metre.
 pub fn lanes_of(street: &Street, driving: Side) -> Vec<Lane> {
@@ -82,7 +84,7 @@ pub fn lanes_of(street: &Street, driving: Side) -> Vec<Lane> {
         return Vec::new();
     }
     let rules = LaneRules::of(street.class);
-    let reach = junction_reach(street);
+    let reach = TURNS.0.min(TURNS.1 * length);
     // Relative to the street's first point, so that every frame gives the same points.
     let start = street.line[0];
     let line: Vec<DVec2> = street.line.iter().map(|p| *p - start).collect();

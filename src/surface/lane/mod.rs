@@ -4,8 +4,7 @@
 //! A lane belongs to its street and a turn to its junction. Both are pure functions of them, so the chunks that see a street give
 //! its lanes the same ids and the same points, and lanes of neighbouring chunks join by id.
 //!
-//! Lanes run where streets are by themselves; turns run through the junction's part of streets, from the end of one lane to the
-//! start of another.
+//! Lanes leave out the ends of their streets, 18 m or less; turns run there, from the end of one lane to the start of another.
 
 mod control;
 mod curve;
