@@ -10,7 +10,7 @@ pub enum MapError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The file's name ends in nothing that a reader knows.
-    #[error("{file}: unknown kind of map; the name must end in .osm .osm.pbf .geojson (or .xml .json)")]
+    #[error("{file}: unknown kind of map; the name must end in .osm .osm.pbf .geojson .png (or .xml .json)")]
     UnknownFormat {
         /// Name of the file.
         file: String,
@@ -70,5 +70,39 @@ pub enum MapError {
         streets: usize,
         /// What may have gone wrong: `; ...`, or empty.
         hint: &'static str,
+    },
+    /// A road mask is read without the size of its pixels.
+    #[error("{file}: a picture needs the size of its pixels (metres per pixel)")]
+    NeedsScale {
+        /// Name of the file.
+        file: String,
+    },
+    /// A road mask has no degrees, but a place in degrees was asked for.
+    #[error("{file}: a picture has no degrees, but a place in degrees was asked for")]
+    NoDegrees {
+        /// Name of the file.
+        file: String,
+    },
+    /// An option of [`MaskOptions`](crate::map::MaskOptions) is out of its range.
+    #[error("{file}: `{option}` is {value}; allowed is {} to {}", allowed.0, allowed.1)]
+    MaskOption {
+        /// Name of the file.
+        file: String,
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least and greatest value.
+        allowed: (f64, f64),
+    },
+    /// A picture is no road mask.
+    #[error("{file}: not a road mask: {reason} (its colours: {colours})")]
+    NoMask {
+        /// Name of the file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+        /// The most common colours with their shares.
+        colours: String,
     },
 }

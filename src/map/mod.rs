@@ -1,10 +1,10 @@
 //! Real maps read into streets that keep their topology, and buildings.
 //!
-//! Makes a [`Map`] in plan metres from OpenStreetMap (XML, PBF, answers of Overpass) or GeoJSON: streets with their nodes,
+//! Makes a [`Map`] in plan metres from OpenStreetMap (XML, PBF, answers of Overpass), GeoJSON or a road mask: streets with their nodes,
 //! classes, widths, directions and levels, buildings with courtyards and heights, clipped to a box, and a [`MapReport`] of
 //! what was used and what was left out. Part of the ground floor: reads `space`, `network` and `layer`, and knows no layer.
 //!
-//! Each reader (`osm_xml`, `pbf`, `overpass`, `geojson`) turns a file into the same `elements`; `tags` says what these are,
+//! Each reader (`osm_xml`, `pbf`, `overpass`, `geojson`, `mask`) turns a file into the same `elements`; `tags` says what these are,
 //! `build` places them on the plan.
 
 mod build;
@@ -15,6 +15,7 @@ mod error;
 mod fixtures;
 mod geojson;
 mod limits;
+mod mask;
 mod model;
 mod network;
 mod osm_xml;
@@ -31,6 +32,7 @@ mod wire;
 pub use coordinates::MapCoordinates;
 pub use error::MapError;
 pub use limits::MapLimits;
+pub use mask::MaskOptions;
 pub use model::{Map, MapBuilding, MapNode, MapStreet};
 pub use read::MapOptions;
 pub use report::{LeftOut, MapReport};

@@ -28,11 +28,13 @@ pub enum LeftOut {
     OtherGeometry,
     /// A street or a building outside of the box that was asked for.
     OutsideBox,
+    /// In a picture, a spot too small for a street or a building, or a spur of a road.
+    Speck,
 }
 
 impl LeftOut {
     /// Every reason.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::OtherKind,
         Self::OtherClass,
         Self::Deleted,
@@ -44,6 +46,7 @@ impl LeftOut {
         Self::Repeated,
         Self::OtherGeometry,
         Self::OutsideBox,
+        Self::Speck,
     ];
 
     /// The reason as a key of JSON reports.
@@ -60,6 +63,7 @@ impl LeftOut {
             Self::Repeated => "repeated",
             Self::OtherGeometry => "other_geometry",
             Self::OutsideBox => "outside_box",
+            Self::Speck => "speck",
         }
     }
 }
@@ -78,6 +82,7 @@ impl fmt::Display for LeftOut {
             Self::Repeated => "repeated street",
             Self::OtherGeometry => "geometry not used",
             Self::OutsideBox => "outside of the box",
+            Self::Speck => "speck of a picture",
         })
     }
 }

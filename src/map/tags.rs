@@ -73,6 +73,22 @@ pub struct StreetTags {
 }
 
 impl StreetTags {
+    /// A street of which no more is known than its class and the width of its carriageway in metres.
+    pub(super) fn drawn(class: StreetClass, width: f64) -> Self {
+        Self {
+            highway: class.name().to_owned(),
+            class,
+            width,
+            lanes: None,
+            one_way: OneWay::No,
+            bridge: false,
+            tunnel: false,
+            level: 0,
+            roundabout: false,
+            name: None,
+        }
+    }
+
     /// The class as a road between settlements: highway, major or minor.
     pub fn road_class(&self) -> StreetClass {
         match without_link(&self.highway) {

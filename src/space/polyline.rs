@@ -87,6 +87,23 @@ pub fn resample(line: &[DVec2], step: f64) -> Vec<DVec2> {
     out
 }
 
+/// The polyline without the points that lie at most `tolerance` metres from the line that is left (Douglas and Peucker 1973). Both
+/// ends stay.
+pub fn simplify_line(line: &[DVec2], tolerance: f64) -> Vec<DVec2> {
+    let mut keep = vec![false; line.len()];
+    let mut spans = vec![(0, line.len().saturating_sub(1))];
+    while let Some((from, to)) = spans.pop() {
+        let (Some(&a), Some(&b)) = (line.get(from), line.get(to)) else { continue };
+        (keep[from], keep[to]) = (true, true);
+        let off = |i: &usize| closest_on_segment(line[*i], a, b).1.distance_squared(line[*i]);
+        let farthest = (from + 1..to).max_by(|i, k| off(i).total_cmp(&off(k)));
+        if let Some(i) = farthest.filter(|i| off(i) > tolerance * tolerance) {
+            spans.extend([(from, i), (i, to)]);
+        }
+    }
+    line.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}
+
 /// The point of a polyline nearest to `p`: metres along the line, and position.
 pub fn closest_on_line(p: DVec2, line: &[DVec2]) -> (f64, DVec2) {
     let mut along = 0.0;
@@ -166,5 +183,9 @@ mod tests {
         assert_eq!(cut_line(&square, 2.0, 6.0), vec![DVec2::new(2., 0.), DVec2::new(4., 0.), DVec2::new(4., 2.)]);
         assert_eq!(closest_on_line(DVec2::new(5.0, 1.0), &square), (5.0, DVec2::new(4.0, 1.0)));
         assert_eq!(resample(&square, 2.0).len(), 7);
+        let bent: Vec<DVec2> = [(0., 0.), (2., 0.2), (4., 0.), (4., 3.), (4.1, 6.)].map(DVec2::from).to_vec();
+        assert_eq!(simplify_line(&bent, 0.3), [bent[0], bent[2], bent[4]]);
+        assert_eq!(simplify_line(&bent, 0.1), [bent[0], bent[1], bent[2], bent[4]]);
+        assert_eq!((simplify_line(&[], 1.0), simplify_line(&bent[..1], 1.0)), (vec![], vec![bent[0]]));
     }
 }

@@ -49,6 +49,40 @@ fn a_real_town_is_drawn_beside_one_of_the_world() {
     assert!(refused(&of_nothing).contains("no street"));
 }
 
+/// A road mask of 200 by 200 pixels: a crossing, and a building beside it.
+fn road_mask() -> String {
+    let path = file("mask.png", "");
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path).expect("a file"), 200, 200);
+    encoder.set_color(png::ColorType::Rgb);
+    let colour = |(x, y): (i32, i32)| match () {
+        () if (x - 100).abs() < 5 || (y - 100).abs() < 5 => [0, 0, 255],
+        () if (120..160).contains(&x) && (120..150).contains(&y) => [255, 0, 0],
+        () => [255, 255, 255],
+    };
+    let pixels: Vec<u8> = (0..200).flat_map(|y| (0..200).map(move |x| (x, y))).flat_map(colour).collect();
+    encoder.write_header().and_then(|mut w| w.write_image_data(&pixels)).expect("a picture");
+    path.to_string_lossy().into_owned()
+}
+
+#[test]
+fn a_road_mask_is_a_map_wherever_one_is_read() {
+    let mask = road_mask();
+    let drawn = file("beside-mask.svg", "").to_string_lossy().into_owned();
+    let map = ["map", "--seed", "5", "--size", "400", "-o", &drawn];
+    let beside = json(&[&map[..], &["--beside", &mask, "--metres-per-pixel", "2"]].concat())["beside"].clone();
+    assert_eq!((&beside["streets"], &beside["buildings"]), (&Value::from(4), &Value::from(1)), "{beside}");
+    assert!(refused(&[&map[..], &["--beside", &mask]].concat()).contains("metres per pixel"));
+    assert!(refused(&[&map[..], &["--metres-per-pixel", "2"]].concat()).contains("needs a map that is a picture"));
+    let green = ["--beside", &mask, "--metres-per-pixel", "2", "--road-colour", "#00ff00"];
+    assert!(refused(&[&map[..], &green].concat()).contains("no pixel has the colour of roads, #00ff00"));
+    let somewhere = ["--beside", &mask, "--metres-per-pixel", "2", "--beside-at", "8,49"];
+    assert!(refused(&[&map[..], &somewhere].concat()).contains("a picture has no degrees"));
+    let [grid, table] = country("mask", TOWNS);
+    let roads = ["roads", "--terrain", &grid, "--settlements", &table, "-o", &drawn, "--reference", &mask];
+    let compared = json(&[&roads[..], &["--metres-per-pixel", "40"]].concat());
+    assert!(compared["reference"].is_object(), "{compared}");
+}
+
 /// What two clipped squares side by side have on the side that they share, west of it and east of it: `(x, y)` in millimetres.
 fn shared_side(name: &str, of: impl Fn(&str, &str) -> Vec<(i64, i64)>) -> [Vec<(i64, i64)>; 2] {
     let (x, y) = city().split_once(',').expect("x,y");

@@ -2,7 +2,7 @@
 
 use crate::fail::Fail;
 use bevy_sprawl::export::{RoadLine, lines};
-use bevy_sprawl::map::{Map, MapCoordinates, MapOptions};
+use bevy_sprawl::map::{Map, MapCoordinates, MapOptions, MaskOptions};
 use bevy_sprawl::parcel::{Block, BlockUse, Footprint, STOREY_HEIGHT};
 use bevy_sprawl::space::{Bounds, ChunkCoord, Geographic, Origin};
 use bevy_sprawl::terrain::{Terrain, TerrainSample};
@@ -22,9 +22,9 @@ impl Terrain for Plain {
     }
 }
 
-/// Reads the map of a real town in degrees, within a square of edge `size` metres around a place in degrees, or around the
-/// map's middle.
-pub fn read(path: &Path, around: Option<DVec2>, size: f64) -> Result<Map, Fail> {
+/// Reads the map of a real town in degrees or of pixels, within a square of edge `size` metres around a place in degrees, or
+/// around the map's middle.
+pub fn read(path: &Path, around: Option<DVec2>, size: f64, mask: MaskOptions) -> Result<Map, Fail> {
     let coordinates = match around {
         None => MapCoordinates::Degrees,
         Some(at) => {
@@ -35,7 +35,7 @@ pub fn read(path: &Path, around: Option<DVec2>, size: f64) -> Result<Map, Fail> 
         }
     };
     let bounds = Some(Bounds::square(DVec2::ZERO, size));
-    Ok(Map::read(path, &MapOptions { coordinates, bounds, ..MapOptions::default() })?)
+    Ok(Map::read(path, &MapOptions { coordinates, bounds, mask, ..MapOptions::default() })?)
 }
 
 /// The streets and buildings of a map as the exporters want them.

@@ -9,6 +9,7 @@ mod expressive;
 mod fail;
 mod inputs;
 mod map;
+mod mask;
 mod output;
 mod patches;
 mod random_edits;

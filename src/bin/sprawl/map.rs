@@ -3,6 +3,7 @@
 use crate::beside;
 use crate::common::{At, Common};
 use crate::fail::{Fail, refuse_unused};
+use crate::mask::MaskArgs;
 use crate::output::{FileOptions, Format, Output, spelled_in_latin, write, write_pair};
 use crate::values::{point, size};
 use crate::work;
@@ -41,12 +42,15 @@ pub struct MapArgs {
     /// What the colours of streets show in an SVG or PNG [default: class]
     #[arg(long, value_name = "WHAT")]
     pub colour_by: Option<ColourBy>,
-    /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees
+    /// A real town to draw beside it at the same scale, in an SVG or PNG: .osm .osm.pbf or .geojson, in degrees, or a road
+    /// mask .png with --metres-per-pixel
     #[arg(long, value_name = "FILE")]
     pub beside: Option<PathBuf>,
     /// Middle of the real town [default: that of the file's streets]
     #[arg(long, value_name = "LON,LAT", requires = "beside", allow_hyphen_values = true, value_parser = point)]
     pub beside_at: Option<DVec2>,
+    #[command(flatten)]
+    pub mask: MaskArgs,
     /// How much an SVG or PNG shows [default: auto]
     #[arg(long, value_name = "WHAT")]
     pub show: Option<Show>,
@@ -109,7 +113,8 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
     }
     check_flags(args, format)?;
     // Whatever may be refused is read before the world is made.
-    let real = args.beside.as_ref().map(|path| beside::read(path, args.beside_at, args.size)).transpose()?;
+    let mask = args.mask.options(args.beside.as_deref())?;
+    let real = args.beside.as_ref().map(|path| beside::read(path, args.beside_at, args.size, mask)).transpose()?;
     let world = work::world(common)?;
     let bounds = work::square(&world, &args.at, args.size)?;
     // A file that cannot be written is refused before the work.

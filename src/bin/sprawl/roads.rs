@@ -60,8 +60,9 @@ pub fn run(common: &Common, args: &RoadsArgs) -> Result<(), Fail> {
     let given = file.as_ref().and_then(|f| f.roads.step());
     let step = args.step.or(given).unwrap_or_else(|| usual_step(domain, cell, &settlements));
     let roads = roads(file.as_ref(), step, args.gamma)?;
+    let mask = args.mask.options(args.reference.as_deref())?;
     let real = match &args.reference {
-        Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref(), domain)?),
+        Some(path) => Some(reference::read(path, &args.reference_classes, geographic.as_ref(), domain, mask)?),
         None => None,
     };
     let mut out = Output::create(&args.output, &inputs(common, args))?;

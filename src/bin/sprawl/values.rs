@@ -42,6 +42,16 @@ pub fn populations(text: &str) -> Result<Populations, String> {
     if rising { Ok(both) } else { Err("0 or more is allowed for a town, and no less for a city".into()) }
 }
 
+/// A colour, as `#0000ff` or `0000ff`.
+pub fn colour(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.trim().trim_start_matches('#');
+    let channel = |i: usize| u8::from_str_radix(digits.get(2 * i..2 * i + 2)?, 16).ok();
+    match (digits.len(), channel(0), channel(1), channel(2)) {
+        (6, Some(red), Some(green), Some(blue)) => Ok([red, green, blue]),
+        _ => Err("six hexadecimal digits are needed, such as #0000ff".into()),
+    }
+}
+
 pub fn size(text: &str) -> Result<f64, String> {
     let size = number(text)?;
     if size > 0.0 && size <= MOST { Ok(size) } else { Err(format!("more than 0 and at most {MOST} m is allowed")) }
@@ -102,5 +112,7 @@ mod tests {
             assert!(chunk_range(bad).is_err(), "{bad}");
         }
         assert_eq!(size("200000"), Ok(200_000.0));
+        assert_eq!((colour("#0010fF"), colour("ff0000")), (Ok([0, 16, 255]), Ok([255, 0, 0])));
+        assert!(["", "#fff", "#00gg00", "#0000ff0", "bläulich"].iter().all(|bad| colour(bad).is_err()));
     }
 }

@@ -1,5 +1,6 @@
 //! The flags of `sprawl roads`.
 
+use crate::mask::MaskArgs;
 use crate::values::{gamma, least_zero, number, point, populations};
 use bevy_sprawl::region::Populations;
 use clap::Args;
@@ -57,9 +58,12 @@ pub struct RoadsArgs {
     /// Inhabitants from which on a settlement is a town, and a city, where the table has them
     #[arg(long, value_name = "T,C", default_value = "2000,20000", value_parser = populations)]
     pub populations: Populations,
-    /// Real roads to compare with: .osm .osm.pbf (both with --geographic) or .geojson, in metres or degrees as the ground
+    /// Real roads to compare with: .osm .osm.pbf (both with --geographic) or .geojson, in metres or degrees as the ground, or a
+    /// road mask .png with --metres-per-pixel, whose middle is that of the domain and whose roads are all real ones
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
+    #[command(flatten)]
+    pub mask: MaskArgs,
     /// Which of the real roads: values of the tag highway, each with its `_link`
     #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "reference")]
     #[arg(default_values = ["motorway", "trunk", "primary", "secondary", "tertiary"])]

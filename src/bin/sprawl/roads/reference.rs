@@ -2,16 +2,23 @@
 
 use crate::fail::Fail;
 use bevy_sprawl::export::RoadLine;
-use bevy_sprawl::map::{Map, MapCoordinates, MapError, MapOptions};
+use bevy_sprawl::map::{Map, MapCoordinates, MapError, MapOptions, MaskOptions};
 use bevy_sprawl::space::{Bounds, Geographic};
 use std::path::Path;
 
 /// Reads the roads of some classes (values of the tag `highway`) from a map, clipped to a domain. The map is in degrees
-/// with a projection, and in plan metres without one.
-pub fn read(path: &Path, classes: &[String], projection: Option<&Geographic>, domain: Bounds) -> Result<Map, Fail> {
+/// with a projection, and in plan metres without one; the middle of a picture is that of the domain.
+pub fn read(
+    path: &Path,
+    classes: &[String],
+    projection: Option<&Geographic>,
+    domain: Bounds,
+    mask: MaskOptions,
+) -> Result<Map, Fail> {
     let coordinates = projection.map_or(MapCoordinates::Metres, |p| MapCoordinates::DegreesAround(*p));
     let bounds = Some(domain);
-    let options = MapOptions { coordinates, classes: classes.to_vec(), bounds, ..MapOptions::default() };
+    let mask = MaskOptions { middle: domain.centre(), ..mask };
+    let options = MapOptions { coordinates, classes: classes.to_vec(), bounds, mask, ..MapOptions::default() };
     Map::read(path, &options).map_err(|error| match error {
         MapError::NeedsDegrees { .. } => {
             Fail::file(path, "OpenStreetMap has degrees; the ground must be in degrees too, with --geographic")
