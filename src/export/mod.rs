@@ -16,7 +16,7 @@ mod traffic;
 pub use clip::clipped;
 
 use crate::layer::{Cancel, LayerError};
-use crate::network::{Junction, JunctionId, Side, Street, StreetClass, StreetId};
+use crate::network::{Junction, JunctionId, Network, Side, Street, StreetClass, StreetId};
 use crate::region::{Outline, RoadNetwork, RoadSection};
 use crate::space::{Bounds, Geographic, quantize};
 use crate::stack::{PlacedStreet, owner_of, street_owner};
@@ -81,6 +81,23 @@ pub fn network(network: &RoadNetwork, chunk_size: i64) -> Area {
     let mut area = Area::empty(network.domain);
     put_roads(&mut area, &network.roads, chunk_size);
     area.settlements.clone_from(&network.settlements);
+    area
+}
+
+/// A network as the streets of an area; its positions are metres from the middle of `bounds`, rounded down to whole metres.
+pub fn streets(bounds: Bounds, network: &Network, chunk_size: i64) -> Area {
+    let mut area = Area::empty(bounds);
+    let origin = area.origin;
+    area.streets = network
+        .streets
+        .iter()
+        .map(|street| Owned {
+            chunk: street_owner(origin, street, chunk_size),
+            item: PlacedStreet { street: street.clone(), made_by: None },
+        })
+        .collect();
+    area.junctions =
+        network.junctions.iter().map(|j| Owned { chunk: owner_of(origin, j.at, chunk_size), item: *j }).collect();
     area
 }
 

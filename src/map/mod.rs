@@ -11,6 +11,7 @@ mod build;
 mod coordinates;
 mod elements;
 mod error;
+mod extract;
 #[cfg(test)]
 mod fixtures;
 mod geojson;
@@ -31,6 +32,7 @@ mod wire;
 
 pub use coordinates::MapCoordinates;
 pub use error::MapError;
+pub use extract::{ExtractError, ExtractOptions, Extracted, MapPatches, NoPatch, PatchKind, extract, select};
 pub use limits::MapLimits;
 pub use mask::MaskOptions;
 pub use model::{Map, MapBuilding, MapNode, MapStreet};

@@ -1,8 +1,8 @@
 //! From the drawing of a patch to the patch: what a drawing may not hold, the centre, the connectable vertices.
 
-use crate::network::PlanarGraph;
-use crate::patch::file::{Line, PatchDrawing};
-use crate::patch::{Connectable, Pair, Patch, PatchEdge};
+use crate::network::{PlanarGraph, StreetClass};
+use crate::patch::file::{Line, PatchDrawing, WindowDrawing};
+use crate::patch::{Connectable, Pair, Patch, PatchEdge, PatchWindow};
 use crate::space::{DisjointSets, math::angle_between, quantize, segment_distance};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,11 +15,13 @@ const TOUCH: f64 = 0.25;
 const LEAST_ANGLE: f64 = 20.0;
 /// Greatest coordinate of a vertex, in metres.
 const REACH: f64 = 2000.0;
+/// Edges of windows, in metres.
+const WINDOWS: std::ops::RangeInclusive<f64> = 20.0..=1000.0;
 /// Greatest weight.
 const MOST_WEIGHT: f64 = 1e6;
 
 /// What is wrong with the drawing of a patch, and what is allowed.
-#[derive(Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum Defect {
     #[error("the name is empty; give it one that is not used twice in the file")]
     NoName,
@@ -29,6 +31,10 @@ pub(super) enum Defect {
     Tag(String),
     #[error("the weight is {0}; allowed is 0 to {MOST_WEIGHT}")]
     Weight(f64),
+    #[error("it has {0} classes of {1} streets; give each street one, in their order, or none")]
+    ClassCount(usize, usize),
+    #[error("the window's {0} is {1}; allowed is {low} to {high} metres", low = .2.0, high = .2.1)]
+    Window(&'static str, f64, (f64, f64)),
     #[error("a street runs through {0} vertices; it needs two or more, such as (0, 1) or [0, 4, 5, 1]")]
     ShortStreet(usize),
     #[error("{0} names no vertex; they are numbered from 0")]
@@ -57,8 +63,43 @@ pub(super) enum Defect {
     Unconnected(usize, usize),
 }
 
+/// Why a drawing makes no patch.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct DrawingError {
+    /// What is wrong.
+    pub kind: DrawingErrorKind,
+    /// What is wrong, in words, and what is allowed.
+    pub reason: String,
+}
+
+/// What may be wrong with a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawingErrorKind {
+    /// Streets cross or touch where they have no vertex in common, or two vertices are at one place.
+    Touching,
+    /// Two streets leave a vertex at too small an angle.
+    SharpAngle,
+    /// There are too many vertices.
+    TooManyVertices,
+    /// Something else: values out of range, names, indices.
+    Other,
+}
+
+impl DrawingError {
+    pub(super) fn of(defect: &Defect) -> Self {
+        let kind = match defect {
+            Defect::Crossing(..) | Defect::SamePlace(..) | Defect::DuplicateEdge(..) => DrawingErrorKind::Touching,
+            Defect::SharpAngle { .. } => DrawingErrorKind::SharpAngle,
+            Defect::VertexCount(count) if *count > MOST_VERTICES => DrawingErrorKind::TooManyVertices,
+            _ => DrawingErrorKind::Other,
+        };
+        Self { kind, reason: defect.to_string() }
+    }
+}
+
 /// A defect, and the path to its place in the drawing, such as `vertices[3]`.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Refused {
     pub path: String,
     pub defect: Defect,
@@ -72,7 +113,7 @@ impl Defect {
 
 /// The patch that a drawing describes.
 pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
-    let PatchDrawing { name, vertices, streets, main, dead_ends, tags, weight, at_most } = drawing;
+    let PatchDrawing { name, vertices, streets, main, classes, dead_ends, tags, weight, at_most, window } = drawing;
     if name.trim().is_empty() {
         return Err(Defect::NoName.at("name"));
     }
@@ -82,8 +123,14 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
     if !(0.0..=MOST_WEIGHT).contains(&weight) {
         return Err(Defect::Weight(weight).at("weight"));
     }
+    if !classes.is_empty() && classes.len() != streets.len() {
+        return Err(Defect::ClassCount(classes.len(), streets.len()).at("classes"));
+    }
+    if let Some(window) = &window {
+        check_window(window)?;
+    }
     let places = places(&vertices)?;
-    let edges = edges(&streets, &main, places.len())?;
+    let edges = edges(&streets, &main, &classes, places.len())?;
     let around = around(places.len(), &edges);
     if let Some(v) = around.iter().position(Vec::is_empty) {
         return Err(Defect::UnusedVertex(v).at(format!("vertices[{v}]")));
@@ -97,6 +144,9 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
         return Err(defect.at(format!("dead_ends[{i}]")));
     }
     check_geometry(&places, &edges, &around)?;
+    if window.is_none() {
+        check_connected(&edges, &around)?;
+    }
 
     let centre = quantize(bounding_circle(&places));
     let vertices: Vec<DVec2> = places.iter().map(|p| *p - centre).collect();
@@ -120,10 +170,33 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
         weight,
         at_most,
         connectables,
+        window: window.map(|w| PatchWindow {
+            size: w.size,
+            margin: w.margin,
+            middle: -centre,
+            map: w.map,
+            at: w.at.into(),
+            turned: w.turned_deg.to_radians(),
+        }),
     };
     let found = patch.find_tags();
     patch.tags.extend(found.into_iter().map(str::to_owned));
     Ok(patch)
+}
+
+fn check_window(window: &WindowDrawing) -> Result<(), Refused> {
+    let sizes = (*WINDOWS.start(), *WINDOWS.end());
+    let values = [
+        ("size", window.size, sizes),
+        ("margin", window.margin, (0.0, window.size)),
+        ("at[0]", window.at.0, (-1e10, 1e10)),
+        ("at[1]", window.at.1, (-1e10, 1e10)),
+        ("turned_deg", window.turned_deg, (-360.0, 360.0)),
+    ];
+    match values.into_iter().find(|(_, value, (low, high))| !(low..=high).contains(&value)) {
+        Some((field, value, allowed)) => Err(Defect::Window(field, value, allowed).at(format!("window.{field}"))),
+        None => Ok(()),
+    }
 }
 
 /// Whether a tag is lower-case words joined by `-`.
@@ -168,21 +241,23 @@ fn indices(Line(line): &Line, what: &'static str, count: usize) -> Result<Vec<us
 }
 
 /// The edges of the drawn lines, edges of `streets` first.
-fn edges(streets: &[Line], main: &[Line], count: usize) -> Result<Vec<PatchEdge>, Refused> {
+fn edges(streets: &[Line], main: &[Line], classes: &[StreetClass], count: usize) -> Result<Vec<PatchEdge>, Refused> {
     let mut edges: Vec<PatchEdge> = Vec::new();
     let mut known: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     let streets = streets.iter().enumerate().map(|(i, l)| (i, l, false));
     for (i, line, main) in streets.chain(main.iter().enumerate().map(|(i, l)| (i, l, true))) {
         let (what, field) = if main { ("`main`", "main") } else { ("a street", "streets") };
+        let usual = if main { StreetClass::Main } else { StreetClass::Local };
+        let class = classes.get(i).copied().filter(|_| !main).unwrap_or(usual);
         let here = |defect: Defect| defect.at(format!("{field}[{i}]"));
         for w in indices(line, what, count).map_err(here)?.windows(2) {
             let (a, b) = (w[0], w[1]);
             match known.get(&(a.min(b), a.max(b))) {
-                Some(&e) if main && !edges[e].main => edges[e].main = true,
+                Some(&e) if main && !edges[e].main => (edges[e].main, edges[e].class) = (true, class),
                 Some(_) => return Err(here(Defect::DuplicateEdge(a, b))),
                 None => {
                     known.insert((a.min(b), a.max(b)), edges.len());
-                    edges.push(PatchEdge { a, b, main });
+                    edges.push(PatchEdge { a, b, main, class });
                 }
             }
         }
@@ -223,12 +298,16 @@ fn check_geometry(places: &[DVec2], edges: &[PatchEdge], around: &[Vec<usize>]) 
             }
         }
     }
+    Ok(())
+}
+
+fn check_connected(edges: &[PatchEdge], around: &[Vec<usize>]) -> Result<(), Refused> {
     let mut reached = BTreeSet::from([0]);
     let mut stack = vec![0];
     while let Some(v) = stack.pop() {
         stack.extend(around[v].iter().map(|e| edges[*e].other(v)).filter(|w| reached.insert(*w)));
     }
-    match (0..places.len()).find(|v| !reached.contains(v)) {
+    match (0..around.len()).find(|v| !reached.contains(v)) {
         Some(v) => Err(Defect::Unconnected(0, v).at(format!("vertices[{v}]"))),
         None => Ok(()),
     }

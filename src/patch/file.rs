@@ -1,5 +1,6 @@
 //! A patch set as its file has it, before any check.
 
+use crate::network::StreetClass;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
@@ -13,24 +14,58 @@ pub(super) struct SetDrawing {
     pub patterns: Vec<PatternDrawing>,
 }
 
-/// A patch.
-#[derive(Clone, Debug, Deserialize)]
+/// A patch as a file has it ([`crate::patch`] describes the format). Lengths are metres.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename = "Patch", deny_unknown_fields)]
-pub(super) struct PatchDrawing {
+pub struct PatchDrawing {
+    /// Name, once per file.
     pub name: String,
+    /// Positions, anywhere. The middle of a window is (0, 0).
     pub vertices: Vec<(f64, f64)>,
+    /// Local streets, or all streets of a window.
     #[serde(default)]
     pub streets: Vec<Line>,
+    /// Main streets, which stand for some that are there already.
     #[serde(default)]
     pub main: Vec<Line>,
+    /// Class of each of `streets`, in their order; all are local if the list is empty.
+    #[serde(default)]
+    pub classes: Vec<StreetClass>,
+    /// Vertices at which streets end for good.
     #[serde(default)]
     pub dead_ends: Vec<usize>,
+    /// Tags besides those that are found.
     #[serde(default)]
     pub tags: Vec<String>,
+    /// How often it is chosen against others.
     #[serde(default = "usual_weight")]
     pub weight: f64,
+    /// Greatest number of times in a main cell.
     #[serde(default)]
     pub at_most: Option<u32>,
+    /// The window of a map that it shows, if it was cut out of one.
+    #[serde(default)]
+    pub window: Option<WindowDrawing>,
+}
+
+/// The window of a map that a patch shows, as a file has it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Window", deny_unknown_fields)]
+pub struct WindowDrawing {
+    /// Edge of the window.
+    pub size: f64,
+    /// How far beyond the window the streets are drawn.
+    #[serde(default)]
+    pub margin: f64,
+    /// Name of the map.
+    #[serde(default)]
+    pub map: String,
+    /// Middle of the window in the map's own metres.
+    #[serde(default)]
+    pub at: (f64, f64),
+    /// Angle of the window's x axis in the map, in degrees, counter-clockwise from east.
+    #[serde(default)]
+    pub turned_deg: f64,
 }
 
 fn usual_weight() -> f64 {
@@ -53,8 +88,8 @@ fn full_size() -> (f64, f64) {
 }
 
 /// The vertices that a street runs through, written as a list or as a tuple of any length.
-#[derive(Clone, Debug)]
-pub(super) struct Line(pub Vec<i64>);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line(pub Vec<i64>);
 
 impl<'de> Deserialize<'de> for Line {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

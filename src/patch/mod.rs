@@ -39,6 +39,27 @@
 //!   streets are neither.
 //! - A street of `main` may stand in `streets` too; it is a main street then.
 //!
+//! # Windows of maps
+//!
+//! A patch may show a square window that was cut out of a map, as the filler `PatchCity` lays them side by side: then its middle is
+//! (0, 0), its streets need not hang together, and they may be of any class.
+//!
+//! ```ron
+//! (
+//!     name: "old-town 120 -40",
+//!     vertices: [(-120, 10), (0, 12), (120, 20), (0, -120)],
+//!     streets: [[0, 1, 2], (1, 3)],
+//!     classes: [Main, Local],   // of each street; all are local when left out
+//!     window: (
+//!         size: 200,            // its edge, 20 to 1000
+//!         margin: 20,           // how far beyond it streets are drawn, so that it can be moved; 0 when left out
+//!         map: "old-town",      // where it is from: name, middle and angle
+//!         at: (120, -40),
+//!         turned_deg: 0,
+//!     ),
+//! )
+//! ```
+//!
 //! What a file may not hold is said by the error, with line and column: of the vertex, street, tag or weight where that
 //! alone is wrong, else of the end of the patch or pattern.
 //!
@@ -61,13 +82,17 @@ mod shape;
 #[cfg(feature = "cli")]
 mod sheet;
 pub mod tag;
+mod write;
 
+pub use check::{DrawingError, DrawingErrorKind};
 pub use database::{Passage, PatchDatabase, PatchFacts, PatternEntry};
 pub(crate) use drawing::keeps_rules;
 pub use drawing::{DrawingRules, Flaw, STRETCH};
+pub use file::{Line, PatchDrawing, WindowDrawing};
 pub use semantics::MainLine;
-pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, Pattern};
+pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, PatchWindow, Pattern};
 pub(crate) use shape::in_sectors;
 pub use shape::{ArmSample, LEAST_ARM, PatchShape, PatchView, SECTORS, SectorReach};
 #[cfg(feature = "cli")]
 pub use sheet::draw_sheet;
+pub use write::to_ron;

@@ -1,11 +1,21 @@
 //! Reading patch set files: every defect is located in the text.
 
 use crate::layer::{FileError, error_at, from_ron};
-use crate::patch::check::check_patch;
-use crate::patch::file::{PatternDrawing, SetDrawing};
+use crate::patch::check::{DrawingError, check_patch};
+use crate::patch::file::{PatchDrawing, PatternDrawing, SetDrawing};
 use crate::patch::{Patch, PatchSet, Pattern};
 use std::collections::BTreeSet;
 use std::path::Path;
+
+impl Patch {
+    /// The patch that a drawing describes.
+    ///
+    /// # Errors
+    /// What is wrong with the drawing.
+    pub fn of(drawing: PatchDrawing) -> Result<Self, DrawingError> {
+        check_patch(drawing).map_err(|refused| DrawingError::of(&refused.defect))
+    }
+}
 
 impl PatchSet {
     /// Reads a patch set from RON text (the format is described in [`crate::patch`]); `file` is named in errors, and its

@@ -28,6 +28,11 @@ impl Patch {
             && !exclude.iter().any(|t| self.tags.contains(t))
     }
 
+    /// Whether the streets of the patch do not hang together ([`tag::IN_PIECES`]).
+    pub fn is_in_pieces(&self) -> bool {
+        self.tags.contains(tag::IN_PIECES)
+    }
+
     /// Indices of the edges at a vertex, in the order of the file.
     pub fn edges_at(&self, vertex: usize) -> impl Iterator<Item = usize> + '_ {
         self.edges.iter().enumerate().filter(move |(_, e)| e.a == vertex || e.b == vertex).map(|(i, _)| i)
@@ -166,16 +171,18 @@ impl Patch {
     /// The tags of the patch as a whole.
     pub(super) fn find_tags(&self) -> Vec<&'static str> {
         let roundabout = self.roundabouts().next().is_some();
+        let pieces = self.graph().components().into_iter().flatten().max().map_or(0, |last| last as usize + 1);
         let curved = roundabout || self.streets().iter().any(|s| self.is_curve(s));
         let tags = [
             (tag::ROUNDABOUT, roundabout),
             // A connected graph with as many edges as vertices has a cycle.
-            (tag::LOOP, self.edges.len() >= self.vertices.len()),
+            (tag::LOOP, self.edges.len() + pieces > self.vertices.len()),
             (tag::CUL_DE_SAC, (0..self.edges.len()).any(|e| self.is_dead_end(e))),
             (tag::CURVED, curved),
             (tag::STRAIGHT, !curved),
             (tag::TERMINAL, self.connectables.len() == 1),
             (tag::INITIAL, self.main_line().is_some() && !self.connectables.is_empty()),
+            (tag::IN_PIECES, pieces > 1),
         ];
         tags.into_iter().filter(|(_, is)| *is).map(|(tag, _)| tag).collect()
     }

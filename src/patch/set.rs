@@ -1,5 +1,6 @@
 //! Patches, patterns and patch sets.
 
+use crate::network::StreetClass;
 use glam::DVec2;
 use std::collections::BTreeSet;
 
@@ -32,6 +33,8 @@ pub struct PatchEdge {
     pub b: usize,
     /// Whether it stands for a main street (then the patch is attached to one there and the edge itself is not built).
     pub main: bool,
+    /// Class of the street.
+    pub class: StreetClass,
 }
 
 impl PatchEdge {
@@ -62,6 +65,25 @@ pub struct Patch {
     pub pairs: Vec<Pair>,
     /// Radius of the bounding circle around (0, 0).
     pub radius: f64,
+    /// The window of a map that the patch shows, if it was cut out of one.
+    pub window: Option<PatchWindow>,
+}
+
+/// The square window of a map that a patch shows. Streets go on beyond the window for some metres, so that it can be moved a little.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchWindow {
+    /// Edge, in metres.
+    pub size: f64,
+    /// How far beyond the window streets are drawn, in metres.
+    pub margin: f64,
+    /// Middle of the window, as the vertices of the patch.
+    pub middle: DVec2,
+    /// Name of the map.
+    pub map: String,
+    /// Middle of the window in the map's own metres.
+    pub at: DVec2,
+    /// Angle of the window's x axis in the map, in radians, counter-clockwise from east.
+    pub turned: f64,
 }
 
 /// A patch repeated along a street.

@@ -1,6 +1,7 @@
 //! The contact sheet: patch sets drawn for people to look at.
 
-use crate::patch::{Patch, PatchSet, Pattern};
+use crate::network::StreetClass;
+use crate::patch::{Patch, PatchSet, PatchWindow, Pattern};
 use crate::space::math::{angle_of, mix};
 use glam::DVec2;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Text};
@@ -26,7 +27,7 @@ const FAINT: &str = "#6b727b";
 
 /// Draws all patches of `sets` with names and tags, then their patterns, as one SVG image.
 ///
-/// Main streets are red, local ones blue; a dot with a tick is a connectable vertex and the way it goes on, a brown bar a
+/// Main streets are red, local ones blue, windows of maps grey squares; a dot with a tick is a connectable vertex and the way it goes on, a brown bar a
 /// dead end. Large patches are drawn smaller: the grey bar is 50 m. A pattern is drawn with a middling scale and number.
 pub fn draw_sheet(sets: &[&PatchSet]) -> String {
     let width = BOX.x * COLUMNS as f64 + 2.0 * MARGIN;
@@ -63,7 +64,9 @@ pub fn draw_sheet(sets: &[&PatchSet]) -> String {
 
 fn patch_box(patch: &Patch, at: DVec2) -> Group {
     let frame = Rectangle::new().set("width", BOX.x - 8.0).set("height", BOX.y - 8.0).set("rx", 6);
-    let scale = (PICTURE / (2.0 * patch.radius + 40.0)).min(SCALE);
+    let around = |w: &PatchWindow| w.middle.abs().max_element() + w.size / 2.0;
+    let radius = patch.window.as_ref().map_or(0.0, around).max(patch.radius);
+    let scale = (PICTURE / (2.0 * radius + 40.0)).min(SCALE);
     let middle = DVec2::new((BOX.x - 8.0) / 2.0, PICTURE / 2.0 + 2.0);
     let bar = DVec2::new(BOX.x - 18.0, PICTURE + 48.0);
     let tags: Vec<&str> = patch.tags.iter().map(String::as_str).collect();
@@ -115,9 +118,15 @@ fn picture(patch: &Patch, middle: DVec2, scale: f64, turned: f64) -> Group {
         middle + DVec2::new(p.x, -p.y)
     };
     let mut group = Group::new().set("fill", "none").set("stroke-linecap", "round").set("stroke-linejoin", "round");
+    if let Some(window) = &patch.window {
+        let half = window.size / 2.0 * scale;
+        let middle = middle + DVec2::new(window.middle.x, -window.middle.y) * scale;
+        let frame = Rectangle::new().set("x", px(middle.x - half)).set("y", px(middle.y - half));
+        group = group.add(frame.set("width", px(2.0 * half)).set("height", px(2.0 * half)).set("stroke", "#c4cad2"));
+    }
     for street in patch.streets() {
-        let main =
-            patch.edges_at(street[0]).any(|e| patch.edges[e].main && patch.edges[e].other(street[0]) == street[1]);
+        let is_main = |e: usize| patch.edges[e].class != StreetClass::Local;
+        let main = patch.edges_at(street[0]).any(|e| is_main(e) && patch.edges[e].other(street[0]) == street[1]);
         let points: Vec<String> = street.iter().map(|v| format!("{:.1},{:.1}", at(*v).x, at(*v).y)).collect();
         let street = Polyline::new().set("points", points.join(" "));
         group = group.add(

@@ -34,6 +34,8 @@ pub const TERMINAL: &str = "terminal";
 /// Of a patch: one straight main street, and local streets that hang together, touch it, lie on one side of it, and have
 /// a connectable vertex.
 pub const INITIAL: &str = "initial";
+/// Of a patch that shows the window of a map: its streets do not hang together.
+pub const IN_PIECES: &str = "in-pieces";
 
 /// All that a patch as a whole can have.
-pub const OF_PATCHES: [&str; 7] = [ROUNDABOUT, LOOP, CUL_DE_SAC, CURVED, STRAIGHT, TERMINAL, INITIAL];
+pub const OF_PATCHES: [&str; 8] = [ROUNDABOUT, LOOP, CUL_DE_SAC, CURVED, STRAIGHT, TERMINAL, INITIAL, IN_PIECES];

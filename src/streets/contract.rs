@@ -187,7 +187,12 @@ pub fn defects(cell: &PortCell<'_>, out: &CellStreets) -> Vec<String> {
 /// Some of the bundled styles, all of which name a filler, with the fillers of a world that has no others.
 fn with_filler(filler: Filler) -> (Vec<Style>, Fillers) {
     let mut styles = styles();
-    styles.iter_mut().for_each(|style| style.filler = filler);
+    for style in &mut styles {
+        style.filler = filler;
+        if matches!(filler, Filler::PatchCity(_)) {
+            style.patch_sets = vec!["patchwork".into()];
+        }
+    }
     let by_name = styles.iter().map(|style| (style.name.clone(), Arc::new(style.clone()))).collect();
     let fillers = Fillers::new(&by_name, &patch_sets(&styles));
     (styles, fillers)
@@ -390,7 +395,7 @@ fn streets_say_which_filler_made_them() {
     for filler in Filler::ALL {
         let (styles, fillers) = with_filler(filler);
         let out = fill(&fillers, &PortCell::new(3, &styles));
-        assert!(out.streets.iter().all(|s| s.made_by.filler == format!("{filler:?}")));
+        assert!(out.streets.iter().all(|s| s.made_by.filler == filler.name()));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::filler::{CellFiller, CellToFill, FilledTown, Filler, TownToFill};
 use super::parametric::Parametric;
+use super::patchcity::PatchCity;
 use super::semantic::SemanticPatches;
 use crate::layer::LayerError;
 use crate::patch::PatchSet;
@@ -13,18 +14,24 @@ use std::sync::Arc;
 pub struct Fillers {
     semantic: SemanticPatches,
     parametric: Parametric,
+    patchcity: PatchCity,
 }
 
 impl Fillers {
     /// The fillers for these styles and patch sets, both by name.
     pub fn new(styles: &BTreeMap<String, Arc<Style>>, sets: &BTreeMap<String, Arc<PatchSet>>) -> Self {
-        Self { semantic: SemanticPatches::new(styles, sets), parametric: Parametric::default() }
+        Self {
+            semantic: SemanticPatches::new(styles, sets),
+            parametric: Parametric::default(),
+            patchcity: PatchCity::new(styles, sets),
+        }
     }
 
     fn of(&self, name: style::Filler) -> &dyn Filler {
         match name {
             style::Filler::SemanticPatches => &self.semantic,
             style::Filler::Parametric => &self.parametric,
+            style::Filler::PatchCity(_) => &self.patchcity,
         }
     }
 
@@ -40,7 +47,7 @@ impl Fillers {
         let mut out: Vec<Option<Arc<dyn CellFiller>>> = vec![None; cells.len()];
         let mut cells: Vec<(usize, CellToFill<'_>)> = cells.into_iter().enumerate().collect();
         for filler in style::Filler::ALL {
-            let (here, rest) = cells.into_iter().partition(|(_, cell)| cell.style.filler == filler);
+            let (here, rest) = cells.into_iter().partition(|(_, cell)| cell.style.filler.is(filler));
             cells = rest;
             let here: Vec<(usize, CellToFill<'_>)> = here;
             let (places, here): (Vec<usize>, Vec<CellToFill<'_>>) = here.into_iter().unzip();

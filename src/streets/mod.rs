@@ -18,6 +18,7 @@ mod contract;
 mod filler;
 mod fillers;
 mod parametric;
+mod patchcity;
 mod semantic;
 
 pub use filler::{
@@ -26,6 +27,7 @@ pub use filler::{
 };
 pub use fillers::Fillers;
 pub use parametric::Parametric;
+pub use patchcity::{PatchCity, Synthesis, TileTable, synthesize};
 pub use semantic::{
     Extent, NeverLaid, PatchFiller, PinnedPatch, SemanticPatches, StyleCells, patch_never_laid, pattern_never_laid,
 };

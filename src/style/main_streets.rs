@@ -106,6 +106,7 @@ impl Ranged for MainRules {
 impl MainRules {
     /// The rules between `a` and `b`.
     pub(super) fn mix(a: &Self, b: &Self, blend: &mut Blend) -> Self {
+        let roundabouts = blend.number(a.roundabouts, b.roundabouts);
         Self {
             field: blend.choice(&a.field, &b.field),
             length: blend.number(a.length, b.length),
@@ -115,8 +116,9 @@ impl MainRules {
             min_angle_deg: blend.number(a.min_angle_deg, b.min_angle_deg),
             angle_deviation_deg: blend.number(a.angle_deviation_deg, b.angle_deviation_deg),
             snap_radius: blend.number(a.snap_radius, b.snap_radius),
-            roundabouts: blend.number(a.roundabouts, b.roundabouts),
-            squares: blend.number(a.squares, b.squares),
+            roundabouts,
+            // Both lie in range, but rounding may lift their sum over 1.
+            squares: blend.number(a.squares, b.squares).min(1.0 - roundabouts),
             bridges: blend.number(a.bridges, b.bridges),
         }
     }

@@ -9,6 +9,7 @@ mod local;
 mod main_streets;
 mod mix;
 mod parcel;
+mod patchcity;
 mod seam;
 mod start;
 
@@ -17,6 +18,7 @@ pub use fringe::FringeRules;
 pub use local::LocalRules;
 pub use main_streets::{FieldKind, MainRules};
 pub use parcel::ParcelRules;
+pub use patchcity::PatchCityRules;
 pub use seam::SeamRules;
 pub use start::StartRules;
 
@@ -95,7 +97,7 @@ impl Style {
             main: MainRules::mix(&a.main, &b.main, &mut blend),
             seam: SeamRules::mix(&a.seam, &b.seam, &mut blend),
             local: LocalRules::mix(&a.local, &b.local, &mut blend),
-            filler: blend.choice(&a.filler, &b.filler),
+            filler: Filler::mix(&a.filler, &b.filler, &mut blend),
             patch_sets,
             allow: nearer.allow.clone(),
             exclude: nearer.exclude.clone(),
@@ -126,7 +128,7 @@ impl Ranged for Style {
         walk.within("main", main)?;
         walk.within("seam", seam)?;
         walk.within("local", local)?;
-        walk.choice("filler", filler)?;
+        walk.within("filler", filler)?;
         walk.within("parcels", parcels)?;
         for (i, count) in patches.iter_mut().enumerate() {
             walk.within(&format!("patches[{i}]"), count)?;

@@ -49,23 +49,25 @@ macro_rules! bundled {
 const LARGEST_FILE: u64 = 64 << 20;
 
 /// The styles that come with the crate.
-const STYLES: [(&str, &str); 8] = bundled![
+const STYLES: [(&str, &str); 9] = bundled![
     "styles/european.ron",
     "styles/grid.ron",
     "styles/hillside.ron",
     "styles/industrial.ron",
     "styles/organic.ron",
+    "styles/patchwork.ron",
     "styles/radial.ron",
     "styles/suburb.ron",
     "styles/village.ron",
 ];
 /// The patch sets that come with the crate.
-const PATCH_SETS: [(&str, &str); 7] = bundled![
+const PATCH_SETS: [(&str, &str); 8] = bundled![
     "patches/common.ron",
     "patches/european.ron",
     "patches/grid.ron",
     "patches/industrial.ron",
     "patches/organic.ron",
+    "patches/patchwork.ron",
     "patches/suburb.ron",
     "patches/village.ron",
 ];

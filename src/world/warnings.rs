@@ -53,7 +53,8 @@ impl<'a> WarnedFile<'a> {
 type Why = (String, String);
 
 /// Warnings of patches and patterns of a set that no style can lay, each at its place in the file `file` with the content `text`:
-/// patches with nothing to connect, drawings whose streets come too near to each other, weights of 0.
+/// patches with nothing to connect, drawings whose streets come too near to each other, weights of 0. Windows of maps are for
+/// another filler, and have none.
 pub fn set_warnings(set: &PatchSet, file: &str, text: &str) -> Vec<FileError> {
     let database = PatchDatabase::new(&[set], &[], &[]);
     let patch = |i: usize| patch_never_laid(&database, i, None).map(in_any_style);
@@ -71,7 +72,7 @@ fn never_laid(
     let warning = |list: &str, what: &str, name: &str, i: usize, (path, why): Why| {
         file.at(&format!("{list}[{i}].{path}"), format!("{what} `{name}` is never laid: {why}"))
     };
-    let patches = set.patches.iter().enumerate();
+    let patches = set.patches.iter().enumerate().filter(|(_, p)| p.window.is_none());
     let patches = patches.filter_map(|(i, p)| Some(warning("patches", "patch", &p.name, i, patch(i)?)));
     let patterns = set.patterns.iter().enumerate();
     let patterns = patterns.filter_map(|(i, p)| Some(warning("patterns", "pattern", &p.name, i, pattern(i)?)));
@@ -123,6 +124,11 @@ impl WorldAssets {
             let database = PatchDatabase::new(&[set], &[], &[]);
             let uses = |style: &&Arc<Style>| style.filler == Filler::SemanticPatches && style.patch_sets.contains(name);
             let users: Vec<&Arc<Style>> = self.styles.values().filter(uses).collect();
+            let lays_windows =
+                |style: &Arc<Style>| matches!(style.filler, Filler::PatchCity(_)) && style.patch_sets.contains(name);
+            if self.styles.values().any(lays_windows) {
+                continue;
+            }
             if users.is_empty() {
                 out.push(
                     file.at("", format!("no style lays patches of the set `{name}`: none that lays patches names it")),
@@ -151,15 +157,23 @@ impl WorldAssets {
     fn style_warnings(&self, style: &Style, cells: &[Extent], file: WarnedFile<'_>) -> Vec<FileError> {
         let name = &style.name;
         if style.filler != Filler::SemanticPatches {
+            let lays_windows = matches!(style.filler, Filler::PatchCity(_));
             let given = [
-                ("patch_sets", style.patch_sets.is_empty()),
-                ("allow", style.allow.is_empty()),
-                ("exclude", style.exclude.is_empty()),
+                ("patch_sets", lays_windows || style.patch_sets.is_empty()),
+                ("allow", lays_windows || style.allow.is_empty()),
+                ("exclude", lays_windows || style.exclude.is_empty()),
                 ("patches", style.patches.is_empty()),
             ];
-            let given = given.into_iter().filter(|(_, is_empty)| !is_empty);
-            let reason = |field| format!("`{field}` has no effect: the filler of style `{name}` lays no patches");
-            return given.map(|(field, _)| file.at(field, reason(field))).collect();
+            let given = given.into_iter().filter(|(_, is_right)| !is_right);
+            let lays = if lays_windows { "counts" } else { "lays" };
+            let reason = |field| format!("`{field}` has no effect: the filler of style `{name}` {lays} no patches");
+            let mut out: Vec<FileError> = given.map(|(field, _)| file.at(field, reason(field))).collect();
+            let of_style = || style.patch_sets.iter().filter_map(|set| self.patch_sets.get(set));
+            if lays_windows && !of_style().any(|set| set.patches.iter().any(|p| p.window.is_some())) {
+                let reason = format!("no patch set of style `{name}` has windows of maps, so its streets only grow");
+                out.push(file.at("filler", reason));
+            }
+            return out;
         }
         let sets: Vec<&Arc<PatchSet>> = style.patch_sets.iter().filter_map(|set| self.patch_sets.get(set)).collect();
         let patches = || sets.iter().flat_map(|set| &set.patches);

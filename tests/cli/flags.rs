@@ -1,6 +1,6 @@
 //! Every command uses a flag that commands share, or refuses it.
 
-use crate::support::{TOWNS, country, json, out, refused};
+use crate::support::{TOWNS, country, json, out, refused, road_mask};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -18,7 +18,7 @@ const SHARED: [(&str, &str); 6] = [
 /// A way to call the program, with those of the shared flags that it does not use.
 type Call = (&'static str, &'static str);
 
-const CALLS: [Call; 15] = [
+const CALLS: [Call; 17] = [
     ("map --size 400 -o OUT.svg", ""),
     ("stats --size 400", ""),
     ("settlements --size 9000", ""),
@@ -34,6 +34,8 @@ const CALLS: [Call; 15] = [
     ("roads --terrain GRID --settlements TABLE -o OUT.svg", "--seed --assets"),
     ("patches draw assets/patches/grid.ron -o OUT.png", "--seed --settings --assets --edits"),
     ("patches check assets/patches/grid.ron", "--seed --settings --assets --edits"),
+    ("patches extract MASK --metres-per-pixel 2 -o OUT.ron", "--seed --settings --assets --edits"),
+    ("synth MASK --metres-per-pixel 2 --size 400 -o OUT.svg", "--settings --assets --edits"),
 ];
 
 /// The arguments of a call; its files are those of this test.
@@ -44,6 +46,7 @@ fn arguments(call: &str) -> Vec<String> {
     let file = |word: &str| match word {
         "GRID" => grid.clone(),
         "TABLE" => table.clone(),
+        "MASK" => road_mask("flags-mask.png"),
         _ => word.replace("OUT.", &format!("{folder}/flags.")),
     };
     call.split(' ').map(file).collect()

@@ -1,6 +1,6 @@
 //! Real maps: as roads to compare with, and as towns to draw beside one of a world.
 
-use crate::support::{TOWNS, city, country, file, json, out, refused};
+use crate::support::{TOWNS, city, country, file, json, out, refused, road_mask};
 use serde_json::Value;
 
 #[test]
@@ -49,24 +49,9 @@ fn a_real_town_is_drawn_beside_one_of_the_world() {
     assert!(refused(&of_nothing).contains("no street"));
 }
 
-/// A road mask of 200 by 200 pixels: a crossing, and a building beside it.
-fn road_mask() -> String {
-    let path = file("mask.png", "");
-    let mut encoder = png::Encoder::new(std::fs::File::create(&path).expect("a file"), 200, 200);
-    encoder.set_color(png::ColorType::Rgb);
-    let colour = |(x, y): (i32, i32)| match () {
-        () if (x - 100).abs() < 5 || (y - 100).abs() < 5 => [0, 0, 255],
-        () if (120..160).contains(&x) && (120..150).contains(&y) => [255, 0, 0],
-        () => [255, 255, 255],
-    };
-    let pixels: Vec<u8> = (0..200).flat_map(|y| (0..200).map(move |x| (x, y))).flat_map(colour).collect();
-    encoder.write_header().and_then(|mut w| w.write_image_data(&pixels)).expect("a picture");
-    path.to_string_lossy().into_owned()
-}
-
 #[test]
 fn a_road_mask_is_a_map_wherever_one_is_read() {
-    let mask = road_mask();
+    let mask = road_mask("mask.png");
     let drawn = file("beside-mask.svg", "").to_string_lossy().into_owned();
     let map = ["map", "--seed", "5", "--size", "400", "-o", &drawn];
     let beside = json(&[&map[..], &["--beside", &mask, "--metres-per-pixel", "2"]].concat())["beside"].clone();
@@ -81,6 +66,28 @@ fn a_road_mask_is_a_map_wherever_one_is_read() {
     let roads = ["roads", "--terrain", &grid, "--settlements", &table, "-o", &drawn, "--reference", &mask];
     let compared = json(&[&roads[..], &["--metres-per-pixel", "40"]].concat());
     assert!(compared["reference"].is_object(), "{compared}");
+}
+
+#[test]
+fn patches_are_extracted_from_a_map_and_every_part_of_it_is_accounted_for() {
+    let mask = road_mask("mask.png");
+    let set = file("extracted.ron", "").to_string_lossy().into_owned();
+    let sheet = file("extracted.svg", "").to_string_lossy().into_owned();
+    let extract = ["patches", "extract", &mask, "--metres-per-pixel", "2", "-o", &set];
+    let windows = json(&[&extract[..], &["--size", "120", "--interval", "20", "--sheet", &sheet]].concat());
+    let map = &windows["maps"][0];
+    assert_eq!((&map["junctions"], &map["buildings"]), (&Value::from(1), &Value::from(1)), "{windows}");
+    assert!((map["km"].as_f64().expect("a number") - 0.8).abs() < 0.05 && windows["patches"].as_u64() > Some(5));
+    assert!(map["left_out"]["duplicate"].as_u64() > Some(0) && map["patches"] == windows["patches"]);
+    assert_eq!(json(&["patches", "check", &set])["sets"][0]["patches"], windows["patches"]);
+    assert!(std::fs::read_to_string(&sheet).expect("a sheet").contains("mask"));
+    let few = json(&[&extract[..], &["--size", "120", "--interval", "20", "--most", "3"]].concat());
+    assert_eq!(few["patches"], 3);
+    let pieces = [&extract[..], &["--as", "pieces"]].concat();
+    assert!(refused(&pieces[..]).contains("no patch was found; left out: "));
+    assert!(refused(&[&extract[..], &["--size", "9"]].concat()).contains("`size` is 9; allowed is 40 to 1000"));
+    let wrong = ["patches", "extract", &mask, "--metres-per-pixel", "2", "-o", &sheet];
+    assert!(refused(&wrong).contains("must end in .ron"));
 }
 
 /// What two clipped squares side by side have on the side that they share, west of it and east of it: `(x, y)` in millimetres.

@@ -69,3 +69,18 @@ pub fn country(name: &str, settlements: &str) -> [String; 2] {
 
 pub const TOWNS: &str = "name,x,y,sigma\nEastcliff,13000,0,1\nWestham,2500,1000,2\nNorth Combe,6000,7000,0\nMid Lee,7000,2200,2\n\
     Sandy,12500,6500,0\nFar Lee,4000,4600,0\n";
+
+/// A road mask of 200 by 200 pixels: a crossing, and a building beside it.
+pub fn road_mask(name: &str) -> String {
+    let path = file(name, "");
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path).expect("a file"), 200, 200);
+    encoder.set_color(png::ColorType::Rgb);
+    let colour = |(x, y): (i32, i32)| match () {
+        () if (x - 100).abs() < 5 || (y - 100).abs() < 5 => [0, 0, 255],
+        () if (120..160).contains(&x) && (120..150).contains(&y) => [255, 0, 0],
+        () => [255, 255, 255],
+    };
+    let pixels: Vec<u8> = (0..200).flat_map(|y| (0..200).map(move |x| (x, y))).flat_map(colour).collect();
+    encoder.write_header().and_then(|mut w| w.write_image_data(&pixels)).expect("a picture");
+    path.to_string_lossy().into_owned()
+}

@@ -6,6 +6,7 @@ mod crossings;
 mod digest;
 mod edits;
 mod expressive;
+mod extract;
 mod fail;
 mod inputs;
 mod map;
@@ -19,6 +20,7 @@ mod seams;
 mod settlements;
 mod soak;
 mod stats;
+mod synth;
 mod text;
 mod towns;
 mod values;
@@ -39,6 +41,7 @@ use settlements::SettlementsArgs;
 use soak::SoakArgs;
 use stats::StatsArgs;
 use std::process::ExitCode;
+use synth::SynthArgs;
 use towns::TownsArgs;
 
 /// Endless worlds of towns: maps, figures and checks.
@@ -71,8 +74,10 @@ enum Command {
     ExpressiveRange(ExpressiveArgs),
     /// Roads between given settlements on given ground
     Roads(Box<RoadsArgs>),
-    /// Check or draw patch sets
+    /// Check or draw patch sets, or extract them from real maps
     Patches(PatchesArgs),
+    /// Make a square from real maps by texture synthesis, without a world
+    Synth(Box<SynthArgs>),
 }
 
 fn main() -> ExitCode {
@@ -99,6 +104,7 @@ fn main() -> ExitCode {
         Command::ExpressiveRange(args) => expressive::run(&cli.common, args),
         Command::Roads(args) => roads::run(&cli.common, args),
         Command::Patches(args) => patches::run(&cli.common, args),
+        Command::Synth(args) => synth::run(&cli.common, args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,7 @@
-//! `sprawl patches`: checks and draws patch sets.
+//! `sprawl patches`: checks and draws patch sets, and extracts them from maps.
 
 use crate::common::{Common, Flag};
+use crate::extract::{self, ExtractArgs};
 use crate::fail::Fail;
 use crate::output::{Format, Output};
 use crate::text;
@@ -40,6 +41,8 @@ pub enum PatchesCommand {
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
+    /// Extract patches from real maps
+    Extract(Box<ExtractArgs>),
 }
 
 /// Runs the command.
@@ -50,6 +53,10 @@ pub fn run(common: &Common, args: &PatchesArgs) -> Result<(), Fail> {
         PatchesCommand::Draw { files, output } => {
             common.refuse("`sprawl patches draw`", &[Flag::Assets])?;
             draw(common, files, output)
+        }
+        PatchesCommand::Extract(args) => {
+            common.refuse("`sprawl patches extract`", &[Flag::Assets])?;
+            extract::run(common, args)
         }
     }
 }

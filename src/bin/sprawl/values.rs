@@ -42,6 +42,14 @@ pub fn populations(text: &str) -> Result<Populations, String> {
     if rising { Ok(both) } else { Err("0 or more is allowed for a town, and no less for a city".into()) }
 }
 
+/// An angle in degrees, or none for `auto`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn(pub Option<f64>);
+
+pub fn turn(text: &str) -> Result<Turn, String> {
+    if text == "auto" { Ok(Turn(None)) } else { number(text).map(|degrees| Turn(Some(degrees))) }
+}
+
 /// A colour, as `#0000ff` or `0000ff`.
 pub fn colour(text: &str) -> Result<[u8; 3], String> {
     let digits = text.trim().trim_start_matches('#');

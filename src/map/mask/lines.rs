@@ -1,7 +1,7 @@
 //! From the pixels of roads to lines that meet in intersections.
 
-use super::MaskOptions;
 use super::circle::Skeleton;
+use super::options::MaskOptions;
 use super::picture::{Picture, Pixel};
 use crate::layer::FileError;
 use crate::map::error::MapError;

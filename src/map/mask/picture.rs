@@ -1,6 +1,6 @@
 //! The pixels of a mask: road, building or neither.
 
-use super::MaskOptions;
+use super::options::MaskOptions;
 use crate::layer::FileError;
 use crate::map::error::MapError;
 use png::{DecodingError, Limits, Transformations};

@@ -9,6 +9,7 @@ use super::rules::Limits;
 use crate::network::{EdgeIx, VertexIx};
 use crate::space::{Bounds, math::rotate};
 use glam::DVec2;
+use std::collections::BTreeMap;
 
 /// Number of connections that are checked exactly.
 const TRIES: usize = 60;
@@ -39,6 +40,35 @@ pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
         {
             return;
         }
+    }
+}
+
+/// Connects the streets that no way connects to a port, the largest parts first, where a street can that keeps the rules of repair.
+/// Parts that none can connect are removed.
+pub fn connect_parts(draft: &mut Draft<'_>) {
+    loop {
+        let components = draft.canvas.graph.components();
+        let g = &draft.canvas.graph;
+        let mut lengths: BTreeMap<u32, f64> = BTreeMap::new();
+        for (e, edge) in g.edges().filter(|(_, edge)| floats(draft, &components, edge.a)) {
+            if let Some(part) = components[edge.a as usize] {
+                *lengths.entry(part).or_default() += g.edge_length(e);
+            }
+        }
+        let mut parts: Vec<(f64, u32)> = lengths.into_iter().map(|(part, length)| (length, part)).collect();
+        parts.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let rules = draft.rules.repair;
+        let is_connected =
+            |(_, part): &(f64, u32)| connect_part(draft, &components, Some(*part), &rules, Maker::Repair);
+        if parts.iter().any(is_connected) {
+            continue;
+        }
+        let g = &draft.canvas.graph;
+        let loose = g.edges().filter(|(_, edge)| floats(draft, &components, edge.a)).map(|(e, _)| e);
+        for e in loose.collect::<Vec<_>>() {
+            draft.canvas.graph.remove_edge(e);
+        }
+        return;
     }
 }
 

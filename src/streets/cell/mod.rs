@@ -31,7 +31,7 @@ mod stubs;
 pub use canvas::Maker;
 pub use draft::Draft;
 pub use fairing::make_fair;
-pub use floating::floating;
+pub use floating::{connect_parts, floating};
 pub use free_grid::{FreeGrid, STEP};
 pub use growth::propagate;
 pub use joint::joint_angle_fits;

@@ -42,6 +42,9 @@ pub fn left_out_by(style: &Style, patch: &Patch) -> Option<String> {
     if let Some(tag) = style.exclude.iter().find(|tag| patch.tags.contains(*tag)) {
         return Some(format!("its tag `{tag}` is excluded"));
     }
+    if patch.is_in_pieces() {
+        return Some("its streets do not hang together".into());
+    }
     let allowed = patch.is_allowed(&style.allow, &style.exclude);
     (!allowed).then(|| format!("it has none of the allowed tags `{}`", style.allow.join("`, `")))
 }
@@ -49,7 +52,8 @@ pub fn left_out_by(style: &Style, patch: &Patch) -> Option<String> {
 /// Weight of a patch of one of the sets that a style uses: 0 if its tags rule it out.
 pub fn weight_of(style: &Style, patch: &Patch) -> f64 {
     let factor = style.count_of(&patch.name).map_or(1.0, |c| c.weight);
-    if patch.is_allowed(&style.allow, &style.exclude) { patch.weight * factor } else { 0.0 }
+    let is_usable = patch.is_allowed(&style.allow, &style.exclude) && !patch.is_in_pieces();
+    if is_usable { patch.weight * factor } else { 0.0 }
 }
 
 /// The patches that several styles use, with the set that each is from.
@@ -127,7 +131,7 @@ impl SemanticPatches {
         let shares: Vec<(&StyleKit, f64)> = cell.styles.iter().filter_map(own).collect();
         let mut filler = PatchFiller { start: cell.style.start.clone(), ..self.mix(&shares, cell)? };
         for (index, piece) in cell.pinned.iter().enumerate() {
-            match filler.patches.patches.iter().position(|p| p.name == piece.piece) {
+            match filler.patches.patches.iter().position(|p| p.name == piece.piece && !p.is_in_pieces()) {
                 Some(patch) => filler.pinned.push(PinnedPatch {
                     patch,
                     at: quantize(piece.at),
@@ -157,7 +161,7 @@ impl Filler for SemanticPatches {
     }
 
     fn has_piece(&self, name: &str) -> bool {
-        self.sets.values().any(|set| set.patches.iter().any(|p| p.name == name))
+        self.sets.values().any(|set| set.patches.iter().any(|p| p.name == name && !p.is_in_pieces()))
     }
 }
 

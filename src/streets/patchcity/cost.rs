@@ -1,0 +1,86 @@
+//! The cost of a side between two tiles (Bustard and de Valmency 2015, equations 1 to 4).
+
+use super::table::Crossing;
+
+/// Distance in metres that costs as much as a street that becomes twice as wide.
+const WIDER: f32 = 15.0;
+
+/// Cost of two crossings of a side: the square of their distance, times the ratio of their widths, times their product. By these
+/// equations streets of any width go together where they meet exactly, as tiles do that were moved to fit; so widths that differ
+/// cost something by themselves.
+pub fn pair_cost(a: Crossing, b: Crossing) -> f32 {
+    let off = a.at - b.at;
+    let ratio = a.width.max(b.width) / a.width.min(b.width);
+    (off * off * ratio + WIDER * WIDER * (ratio - 1.0)) * a.width * b.width
+}
+
+/// Cost of a side: that of the first crossings on both sides, of the second ones and so on (equation 1).
+pub fn side_cost(a: &[Crossing], b: &[Crossing]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| pair_cost(*a, *b)).sum()
+}
+
+/// The pairs of crossings on both sides that become one, in order, so that their cost is the least; a crossing may stay alone at
+/// the cost of a pair `alone` metres apart. Where both sides have as many, they pair in order, as in the paper.
+pub fn pairs(a: &[Crossing], b: &[Crossing], alone: f32) -> Vec<(usize, usize)> {
+    if a.len() == b.len() {
+        return (0..a.len()).map(|i| (i, i)).collect();
+    }
+    let left = |c: Crossing| alone * alone * c.width * c.width;
+    // The least cost of the first crossings, and whether the last two pair.
+    let width = b.len() + 1;
+    let mut least = vec![0.0f32; (a.len() + 1) * width];
+    for i in 0..=a.len() {
+        for k in 0..=b.len() {
+            let at = |i: usize, k: usize| i * width + k;
+            least[at(i, k)] = match (i, k) {
+                (0, 0) => 0.0,
+                (0, k) => least[at(0, k - 1)] + left(b[k - 1]),
+                (i, 0) => least[at(i - 1, 0)] + left(a[i - 1]),
+                (i, k) => (least[at(i - 1, k - 1)] + pair_cost(a[i - 1], b[k - 1]))
+                    .min(least[at(i - 1, k)] + left(a[i - 1]))
+                    .min(least[at(i, k - 1)] + left(b[k - 1])),
+            };
+        }
+    }
+    let (mut i, mut k) = (a.len(), b.len());
+    let mut out = Vec::new();
+    while i > 0 && k > 0 {
+        let here = least[i * width + k];
+        if here == least[(i - 1) * width + k - 1] + pair_cost(a[i - 1], b[k - 1]) {
+            out.push((i - 1, k - 1));
+            (i, k) = (i - 1, k - 1);
+        } else if here == least[(i - 1) * width + k] + left(a[i - 1]) {
+            i -= 1;
+        } else {
+            k -= 1;
+        }
+    }
+    out.reverse();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crossing(at: f32, width: f32) -> Crossing {
+        Crossing { at, width }
+    }
+
+    #[test]
+    fn the_cost_is_that_of_the_paper() {
+        assert_eq!(pair_cost(crossing(3.0, 6.0), crossing(7.0, 6.0)), 16.0 * 36.0);
+        assert_eq!(pair_cost(crossing(3.0, 6.0), crossing(7.0, 12.0)), (16.0 * 2.0 + WIDER * WIDER) * 72.0);
+        let (a, b) = ([crossing(0.0, 6.0), crossing(9.0, 6.0)], [crossing(1.0, 6.0), crossing(7.0, 6.0)]);
+        assert_eq!(side_cost(&a, &b), 36.0 + 4.0 * 36.0);
+    }
+
+    #[test]
+    fn crossings_pair_in_order_and_one_too_many_stays_alone() {
+        let side = |places: &[f32]| -> Vec<Crossing> { places.iter().map(|at| crossing(*at, 6.0)).collect() };
+        assert_eq!(pairs(&side(&[0.0, 50.0]), &side(&[40.0, 90.0]), 60.0), [(0, 0), (1, 1)]);
+        assert_eq!(pairs(&side(&[0.0, 50.0]), &side(&[48.0]), 60.0), [(1, 0)]);
+        assert_eq!(pairs(&side(&[-80.0, 2.0, 70.0]), &side(&[0.0, 71.0]), 60.0), [(1, 0), (2, 1)]);
+        assert_eq!(pairs(&side(&[]), &side(&[0.0]), 60.0), []);
+    }
+}

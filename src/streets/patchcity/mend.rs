@@ -1,0 +1,237 @@
+//! Mending a mosaic: streets that cross get a junction, those that end at the side of a tile lead on, and floating ones are
+//! connected by the shortest street, where Bustard and de Valmency 2015 remove them.
+
+use super::buckets::Buckets;
+use super::mosaic::Of;
+use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
+use crate::space::math::angle_between;
+use crate::space::{Bounds, DisjointSets, closest_on_segment, segment_crossing};
+use glam::DVec2;
+use std::collections::BTreeMap;
+
+/// Places nearer than this to the end of a street are that end, in metres.
+const AT_END: f64 = 10.0;
+/// Least angle between a street that is added and those that it meets, in radians.
+const LEAST_ANGLE: f64 = 0.6;
+/// Distances within which floating streets look for others, in metres, the next one where there is none.
+const REACHES: [f64; 4] = [60.0, 200.0, 600.0, 4000.0];
+/// Number of streets that are tried for a connection.
+const TRIES: usize = 40;
+
+/// A street that may be added: from a vertex to a place on an edge.
+struct Link {
+    length: f64,
+    from: VertexIx,
+    on: EdgeIx,
+    to: DVec2,
+}
+
+/// A graph under repair.
+pub struct Mending<'g> {
+    graph: &'g mut PlanarGraph<Of>,
+    buckets: Buckets,
+}
+
+impl<'g> Mending<'g> {
+    /// Begins to mend a graph.
+    pub fn new(graph: &'g mut PlanarGraph<Of>) -> Self {
+        let buckets = Buckets::of(graph);
+        Self { graph, buckets }
+    }
+
+    /// Puts junctions where edges at these vertices cross others.
+    pub fn untangle(&mut self, vertices: &[VertexIx]) {
+        let mut edges: Vec<EdgeIx> = vertices.iter().flat_map(|v| self.graph.edges_at(*v).to_vec()).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        while let Some(e) = edges.pop() {
+            if !self.graph.is_live(e) {
+                continue;
+            }
+            let (a, b) = self.graph.segment(e);
+            let edge = self.graph.edge(e).clone();
+            let crossed = self.buckets.near(self.graph, Bounds::of([a, b])).into_iter().find_map(|f| {
+                let other = self.graph.edge(f);
+                let meets = [other.a, other.b].iter().any(|v| *v == edge.a || *v == edge.b);
+                let (c, d) = self.graph.segment(f);
+                let crossing = if f == e || meets { None } else { segment_crossing(a, b, c, d) };
+                crossing.map(|crossing| (f, crossing.at))
+            });
+            if let Some((f, at)) = crossed {
+                let v = self.split(f, at);
+                edges.extend(self.lead_through(e, v));
+            }
+        }
+    }
+
+    /// Leads streets on that end at the side of a tile, or takes them back to where they came from. `reach` is the length in metres of
+    /// the longest street that is added.
+    pub fn lead_on(&mut self, loose: &[VertexIx], reach: f64) {
+        for &v in loose {
+            let Some(&own) = self.graph.edges_at(v).first().filter(|_| self.graph.degree(v) == 1) else { continue };
+            let at = self.graph.at(v);
+            let back = (self.graph.at(self.graph.edge(own).other(v)) - at).normalize_or_zero();
+            let near = self.buckets.near(self.graph, Bounds::of([at]).grown(reach));
+            let mut links: Vec<Link> = near
+                .into_iter()
+                .filter(|e| *e != own)
+                .filter_map(|e| self.link(v, e))
+                .filter(|link| {
+                    link.length > 1.0 && link.length <= reach && (link.to - at).dot(back) < 0.5 * link.length
+                })
+                .collect();
+            links.sort_by(|a, b| a.length.total_cmp(&b.length));
+            let class = self.graph.edge(own).data.class;
+            let found = links.into_iter().take(TRIES).find(|link| self.keeps_rules(link));
+            match found {
+                Some(link) => self.build(&link, class),
+                None => self.take_back(v),
+            }
+        }
+    }
+
+    /// Connects streets that hang together with no others, the shortest ones first.
+    pub fn connect(&mut self) {
+        let parts = self.graph.components();
+        let mut members: BTreeMap<u32, Vec<VertexIx>> = BTreeMap::new();
+        for v in self.graph.vertices() {
+            if let Some(part) = parts[v as usize] {
+                members.entry(part).or_default().push(v);
+            }
+        }
+        let mut order: Vec<(u32, Vec<VertexIx>)> = members.into_iter().collect();
+        order.sort_by(|a, b| a.1.len().cmp(&b.1.len()).then(a.0.cmp(&b.0)));
+        // The largest part is what the others connect to.
+        order.pop();
+        let mut one = DisjointSets::new();
+        let mut part_of: BTreeMap<VertexIx, u32> = BTreeMap::new();
+        for (part, vertices) in order {
+            for reach in REACHES {
+                let mut links = self.links_of(&vertices, reach, |v: VertexIx| {
+                    part_of.get(&v).copied().or_else(|| parts.get(v as usize).copied().flatten())
+                });
+                // Of the shortest to other parts.
+                links.retain(|(_, other)| other.is_none_or(|other| !one.same(part, other)));
+                links.sort_by(|a, b| a.0.length.total_cmp(&b.0.length));
+                let fits = links.iter().take(TRIES).position(|(link, _)| self.keeps_rules(link));
+                // Nothing lies between the two nearest points of different parts.
+                let Some((link, other)) = links.get(fits.unwrap_or(0)) else { continue };
+                if let Some(other) = other {
+                    one.union(part, *other);
+                }
+                let before = self.graph.vertex_count() as VertexIx;
+                self.build(link, StreetClass::Local);
+                part_of.extend((before..self.graph.vertex_count() as VertexIx).map(|v| (v, part)));
+                break;
+            }
+        }
+    }
+
+    /// The streets between some vertices, which hang together, and others within a reach: from each vertex to the edges near it,
+    /// and from vertices near it to its edges. Each comes with the part that the other end is of.
+    fn links_of(
+        &self,
+        vertices: &[VertexIx],
+        reach: f64,
+        part: impl Fn(VertexIx) -> Option<u32>,
+    ) -> Vec<(Link, Option<u32>)> {
+        let own = vertices.first().and_then(|v| part(*v));
+        let mut out = Vec::new();
+        for &v in vertices {
+            let at = self.graph.at(v);
+            for e in self.buckets.near(self.graph, Bounds::of([at]).grown(reach)) {
+                let other = part(self.graph.edge(e).a);
+                if other != own {
+                    out.extend(self.link(v, e).map(|link| (link, other)));
+                }
+            }
+            for &e in self.graph.edges_at(v) {
+                let (a, b) = self.graph.segment(e);
+                for f in self.buckets.near(self.graph, Bounds::of([a, b]).grown(reach)) {
+                    let edge = self.graph.edge(f);
+                    let ends = [edge.a, edge.b].into_iter().map(|w| (w, part(w))).filter(|(_, other)| *other != own);
+                    out.extend(ends.filter_map(|(w, other)| Some((self.link(w, e)?, other))));
+                }
+            }
+        }
+        out.retain(|(link, _)| link.length <= reach);
+        out
+    }
+
+    /// The shortest street from a vertex to an edge, or to an end of that edge close by.
+    fn link(&self, from: VertexIx, on: EdgeIx) -> Option<Link> {
+        let at = self.graph.at(from);
+        let edge = self.graph.edge(on);
+        let (a, b) = self.graph.segment(on);
+        let foot = closest_on_segment(at, a, b).1;
+        let near = |(_, end): &(VertexIx, DVec2)| end.distance(foot) < AT_END;
+        let to = [(edge.a, a), (edge.b, b)].into_iter().filter(near);
+        let to = to.min_by(|x, y| x.1.distance(foot).total_cmp(&y.1.distance(foot))).map_or(foot, |(_, end)| end);
+        let length = at.distance(to);
+        (length > 0.0).then_some(Link { length, from, on, to })
+    }
+
+    /// Whether a street crosses no other and meets streets at no small angle.
+    fn keeps_rules(&self, link: &Link) -> bool {
+        let g = &*self.graph;
+        let from = g.at(link.from);
+        let way = link.to - from;
+        let (a, b) = g.segment(link.on);
+        let end = [(g.edge(link.on).a, a), (g.edge(link.on).b, b)].into_iter().find(|(_, at)| *at == link.to);
+        let leaves =
+            |v: VertexIx, way: DVec2| g.neighbours(v).all(|w| angle_between(g.at(w) - g.at(v), way) >= LEAST_ANGLE);
+        let arrives = match end {
+            Some((v, _)) => leaves(v, -way),
+            None => (way.normalize_or_zero().dot((b - a).normalize_or_zero())).abs() < 0.82,
+        };
+        arrives
+            && leaves(link.from, way)
+            && self.buckets.near(g, Bounds::of([from, link.to])).into_iter().all(|e| {
+                let edge = g.edge(e);
+                let ends = [edge.a, edge.b];
+                let meets = e == link.on || ends.contains(&link.from) || end.is_some_and(|(v, _)| ends.contains(&v));
+                let (c, d) = g.segment(e);
+                meets || segment_crossing(from, link.to, c, d).is_none()
+            })
+    }
+
+    /// Builds a street.
+    fn build(&mut self, link: &Link, class: StreetClass) {
+        let to = self.split(link.on, link.to);
+        if link.from != to && self.graph.edge_between(link.from, to).is_none() {
+            let edge = self.graph.add_edge(link.from, to, Of { class, patch: None });
+            self.buckets.add(self.graph, edge);
+        }
+    }
+
+    /// Divides an edge, and gives the vertex there.
+    fn split(&mut self, edge: EdgeIx, at: DVec2) -> VertexIx {
+        let before = self.graph.edge_count();
+        let v = self.graph.split_edge(edge, at);
+        (before..self.graph.edge_count()).for_each(|e| self.buckets.add(self.graph, e as EdgeIx));
+        v
+    }
+
+    /// Leads an edge through a vertex; gives the new edges.
+    fn lead_through(&mut self, edge: EdgeIx, v: VertexIx) -> Vec<EdgeIx> {
+        let Some(old) = self.graph.remove_edge(edge) else { return Vec::new() };
+        let mut out = Vec::new();
+        for end in [old.a, old.b] {
+            if end != v && self.graph.edge_between(end, v).is_none() {
+                let new = self.graph.add_edge(end, v, old.data);
+                self.buckets.add(self.graph, new);
+                out.push(new);
+            }
+        }
+        out
+    }
+
+    /// Removes a street from its loose end to the next junction.
+    fn take_back(&mut self, loose: VertexIx) {
+        let mut at = loose;
+        while let [edge] = *self.graph.edges_at(at) {
+            at = self.graph.edge(edge).other(at);
+            self.graph.remove_edge(edge);
+        }
+    }
+}
