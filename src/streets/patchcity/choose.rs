@@ -2,7 +2,8 @@
 //! of its place in the map until they go on best.
 
 use super::cost::{pairs, side_cost};
-use super::table::{Crossing, Side, TileTable};
+use super::side::{Crossing, Side};
+use super::table::TileTable;
 use crate::space::Stream;
 use glam::DVec2;
 

@@ -1,6 +1,6 @@
 //! The cost of a side between two tiles (Bustard and de Valmency 2015, equations 1 to 4).
 
-use super::table::Crossing;
+use super::side::Crossing;
 
 /// Distance in metres that costs as much as a street that becomes twice as wide.
 const WIDER: f32 = 15.0;

@@ -15,6 +15,8 @@ const AT_END: f64 = 10.0;
 const LEAST_ANGLE: f64 = 0.6;
 /// Distances within which floating streets look for others, in metres, the next one where there is none.
 const REACHES: [f64; 4] = [60.0, 200.0, 600.0, 4000.0];
+/// How much longer than the shortest one a street may be so that it keeps the rules: a factor, and metres.
+const SLACK: (f64, f64) = (1.5, 30.0);
 /// Number of streets that are tried for a connection.
 const TRIES: usize = 40;
 
@@ -106,52 +108,64 @@ impl<'g> Mending<'g> {
         let mut one = DisjointSets::new();
         let mut part_of: BTreeMap<VertexIx, u32> = BTreeMap::new();
         for (part, vertices) in order {
-            for reach in REACHES {
-                let mut links = self.links_of(&vertices, reach, |v: VertexIx| {
-                    part_of.get(&v).copied().or_else(|| parts.get(v as usize).copied().flatten())
-                });
-                // Of the shortest to other parts.
-                links.retain(|(_, other)| other.is_none_or(|other| !one.same(part, other)));
-                links.sort_by(|a, b| a.0.length.total_cmp(&b.0.length));
-                let fits = links.iter().take(TRIES).position(|(link, _)| self.keeps_rules(link));
-                // Nothing lies between the two nearest points of different parts.
-                let Some((link, other)) = links.get(fits.unwrap_or(0)) else { continue };
-                if let Some(other) = other {
-                    one.union(part, *other);
-                }
-                let before = self.graph.vertex_count() as VertexIx;
-                self.build(link, StreetClass::Local);
-                part_of.extend((before..self.graph.vertex_count() as VertexIx).map(|v| (v, part)));
-                break;
-            }
+            let mut other_of = |v: VertexIx| {
+                let other = part_of.get(&v).copied().or_else(|| parts.get(v as usize).copied().flatten())?;
+                (!one.same(part, other)).then_some(other)
+            };
+            let Some(nearest) = self.nearest(&vertices, &mut other_of) else { continue };
+            let mut links = self.links_of(&vertices, SLACK.0 * nearest + SLACK.1, &mut other_of);
+            links.sort_by(|a, b| a.0.length.total_cmp(&b.0.length));
+            let fits = links.iter().take(TRIES).position(|(link, _)| self.keeps_rules(link));
+            // Nothing lies between the two nearest points of different parts.
+            let Some((link, other)) = links.get(fits.unwrap_or(0)) else { continue };
+            one.union(part, *other);
+            let before = self.graph.vertex_count() as VertexIx;
+            self.build(link, StreetClass::Local);
+            part_of.extend((before..self.graph.vertex_count() as VertexIx).map(|v| (v, part)));
         }
     }
 
-    /// The streets between some vertices, which hang together, and others within a reach: from each vertex to the edges near it,
+    /// Distance in metres from some vertices to the nearest edge of another part, or to about that; `None` if all are too far away.
+    fn nearest(&self, vertices: &[VertexIx], other: &mut impl FnMut(VertexIx) -> Option<u32>) -> Option<f64> {
+        let mut best: Option<f64> = None;
+        for reach in REACHES {
+            for v in vertices {
+                // Once something is found, only what is nearer counts.
+                let within = best.unwrap_or(reach);
+                let at = self.graph.at(*v);
+                for e in self.buckets.near(self.graph, Bounds::of([at]).grown(within)) {
+                    let (a, b) = self.graph.segment(e);
+                    let far = closest_on_segment(at, a, b).1.distance(at);
+                    if far < best.unwrap_or(reach) && other(self.graph.edge(e).a).is_some() {
+                        best = Some(far);
+                    }
+                }
+            }
+            if best.is_some() {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The streets between some vertices, which hang together, and other parts within a reach: from each vertex to the edges near it,
     /// and from vertices near it to its edges. Each comes with the part that the other end is of.
     fn links_of(
         &self,
         vertices: &[VertexIx],
         reach: f64,
-        part: impl Fn(VertexIx) -> Option<u32>,
-    ) -> Vec<(Link, Option<u32>)> {
-        let own = vertices.first().and_then(|v| part(*v));
+        other: &mut impl FnMut(VertexIx) -> Option<u32>,
+    ) -> Vec<(Link, u32)> {
         let mut out = Vec::new();
         for &v in vertices {
             let at = self.graph.at(v);
             for e in self.buckets.near(self.graph, Bounds::of([at]).grown(reach)) {
-                let other = part(self.graph.edge(e).a);
-                if other != own {
-                    out.extend(self.link(v, e).map(|link| (link, other)));
-                }
-            }
-            for &e in self.graph.edges_at(v) {
-                let (a, b) = self.graph.segment(e);
-                for f in self.buckets.near(self.graph, Bounds::of([a, b]).grown(reach)) {
-                    let edge = self.graph.edge(f);
-                    let ends = [edge.a, edge.b].into_iter().map(|w| (w, part(w))).filter(|(_, other)| *other != own);
-                    out.extend(ends.filter_map(|(w, other)| Some((self.link(w, e)?, other))));
-                }
+                let edge = self.graph.edge(e);
+                let Some(part) = other(edge.a) else { continue };
+                out.extend(self.link(v, e).map(|link| (link, part)));
+                let ends = [edge.a, edge.b];
+                let own = self.graph.edges_at(v).iter().flat_map(|e| ends.map(|w| (w, *e)));
+                out.extend(own.filter_map(|(w, e)| Some((self.link(w, e)?, part))));
             }
         }
         out.retain(|(link, _)| link.length <= reach);

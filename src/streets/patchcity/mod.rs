@@ -13,6 +13,7 @@ mod filler;
 mod lay;
 mod mend;
 mod mosaic;
+mod side;
 mod synthesis;
 mod table;
 mod window;

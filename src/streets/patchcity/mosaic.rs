@@ -2,7 +2,8 @@
 
 use super::choose::{ALONE, Asked, choose};
 use super::cost::pairs;
-use super::table::{Crossing, Side, TileTable};
+use super::side::{Crossing, Side};
+use super::table::TileTable;
 use crate::layer::{Cancel, LayerError};
 use crate::network::{PlanarGraph, StreetClass, VertexIx};
 use crate::space::Stream;

@@ -1,6 +1,7 @@
 //! The look-up table of tiles: windows of maps, turned by quarter turns, indexed by how many streets cross their sides (Bustard and
 //! de Valmency 2015, section 3).
 
+use super::side::{Crossing, Side};
 use super::window::{Window, windows};
 use crate::patch::Patch;
 use glam::DVec2;
@@ -11,51 +12,6 @@ use std::sync::Arc;
 const COUNTS: usize = 16;
 /// The place in the index of tiles with any number of streets.
 const ANY: usize = COUNTS;
-
-/// A side of a tile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// At the lesser x.
-    West,
-    /// At the greater x.
-    East,
-    /// At the lesser y.
-    South,
-    /// At the greater y.
-    North,
-}
-
-impl Side {
-    /// All sides.
-    pub const ALL: [Self; 4] = [Self::West, Self::East, Self::South, Self::North];
-
-    /// The side of the neighbour that lies along this one.
-    pub fn opposite(self) -> Self {
-        match self {
-            Self::West => Self::East,
-            Self::East => Self::West,
-            Self::South => Self::North,
-            Self::North => Self::South,
-        }
-    }
-
-    /// The axis across which the side lies: 0 for x, 1 for y. Places along it are coordinates of the other axis.
-    pub fn axis(self) -> usize {
-        match self {
-            Self::West | Self::East => 0,
-            Self::South | Self::North => 1,
-        }
-    }
-}
-
-/// Where a street crosses a side of a tile.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// Metres along the side from its middle, eastwards or northwards.
-    pub at: f32,
-    /// Width of the carriageway in metres.
-    pub width: f32,
-}
 
 /// A window of a map, turned.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! The streets of a window, cut at its sides wherever it is moved.
 
-use super::table::{Crossing, Side};
+use super::side::{Crossing, Side};
 use crate::network::StreetClass;
 use crate::patch::Patch;
 use crate::space::{Bounds, distance_to_segment};
