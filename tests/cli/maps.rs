@@ -78,16 +78,43 @@ fn patches_are_extracted_from_a_map_and_every_part_of_it_is_accounted_for() {
     let map = &windows["maps"][0];
     assert_eq!((&map["junctions"], &map["buildings"]), (&Value::from(1), &Value::from(1)), "{windows}");
     assert!((map["km"].as_f64().expect("a number") - 0.8).abs() < 0.05 && windows["patches"].as_u64() > Some(5));
-    assert!(map["left_out"]["duplicate"].as_u64() > Some(0) && map["patches"] == windows["patches"]);
+    assert!(map["left_out"]["few_streets"].as_u64() > Some(0) && map["patches"] == windows["patches"]);
     assert_eq!(json(&["patches", "check", &set])["sets"][0]["patches"], windows["patches"]);
     assert!(std::fs::read_to_string(&sheet).expect("a sheet").contains("mask"));
     let few = json(&[&extract[..], &["--size", "120", "--interval", "20", "--most", "3"]].concat());
     assert_eq!(few["patches"], 3);
-    let pieces = [&extract[..], &["--as", "pieces"]].concat();
-    assert!(refused(&pieces[..]).contains("no patch was found; left out: "));
+    assert_eq!(json(&[&extract[..], &["--as", "pieces"]].concat())["patches"], 1);
+    let long = [&extract[..], &["--least-streets", "5000"]].concat();
+    assert!(
+        refused(&long).contains("no patch was found; left out: ") && refused(&long).contains("with too few streets")
+    );
     assert!(refused(&[&extract[..], &["--size", "9"]].concat()).contains("`size` is 9; allowed is 40 to 1000"));
     let wrong = ["patches", "extract", &mask, "--metres-per-pixel", "2", "-o", &sheet];
     assert!(refused(&wrong).contains("must end in .ron"));
+}
+
+#[test]
+fn a_square_is_made_of_a_map_and_hangs_together() {
+    let mask = road_mask("synth-mask.png");
+    let [made, again, set] =
+        ["synth.osm", "synth-again.osm", "synth.ron"].map(|name| file(name, "").to_string_lossy().into_owned());
+    let synth = ["synth", &mask, "--metres-per-pixel", "4", "--size", "700", "--tile", "160", "--interval", "40"];
+    let report = json(&[&synth[..], &["-o", &made]].concat());
+    let counts = ["components", "mismatched_seams", "buildings"].map(|key| report[key].as_u64());
+    assert_eq!(counts, [Some(1), Some(0), Some(0)], "{report}");
+    assert!(report["area_km2"] == 0.49 && report["street_km"].as_f64() > Some(2.0), "{report}");
+    assert!(report["junctions"].as_u64() > Some(2) && report["dead_ends"].is_u64() && report["seconds"].is_f64());
+    json(&[&synth[..], &["-o", &again]].concat());
+    let [made, again] = [&made, &again].map(|path| std::fs::read_to_string(path).expect("a file"));
+    assert!(made == again && made.contains("highway"), "the same seed gives the same square");
+    let extract = ["patches", "extract", &mask, "--metres-per-pixel", "4", "--size", "160", "-o", &set];
+    json(&extract);
+    let drawn = file("synth.svg", "").to_string_lossy().into_owned();
+    assert_eq!(json(&["synth", &set, "--size", "500", "-o", &drawn])["components"], 1);
+    assert!(refused(&["synth", &set, "--size", "500", "--tile", "90", "-o", &drawn]).contains("--tile"));
+    json(&[&extract[..], &["--as", "pieces", "--least-streets", "50"]].concat());
+    let pieces = refused(&["synth", &set, "--size", "500", "-o", &drawn]);
+    assert!(pieces.contains("no window of a map"), "{pieces}");
 }
 
 /// What two clipped squares side by side have on the side that they share, west of it and east of it: `(x, y)` in millimetres.
