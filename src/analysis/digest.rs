@@ -166,9 +166,14 @@ impl Hash {
     fn buffers(&mut self, buffers: &MeshBuffers) {
         self.word(buffers.positions.len() as u64);
         self.word(buffers.indices.len() as u64);
-        let threes = buffers.positions.iter().chain(&buffers.normals).flatten();
-        for x in threes.chain(buffers.colours.iter().flatten()) {
+        for x in buffers.positions.iter().flatten() {
             self.0.update(&x.to_bits().to_le_bytes());
+        }
+        for x in buffers.normals.iter().flatten() {
+            self.0.update(&x.to_le_bytes());
+        }
+        for x in buffers.colours.iter().flatten() {
+            self.0.update(&x.to_le_bytes());
         }
         for i in &buffers.indices {
             self.0.update(&i.to_le_bytes());

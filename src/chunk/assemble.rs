@@ -4,13 +4,11 @@ use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
 use crate::network::{Junction, JunctionId, Street, StreetClass};
 use crate::parcel::{Block, Footprint, Lot};
-use crate::space::{ChunkCoord, Origin};
+use crate::space::{Bounds, ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
-use crate::surface::{Deck, Pieces};
+use crate::surface::{Deck, Earthworks, Graded, Pieces, Profile, SURFACE_REACH, Tin, shapes};
+use crate::terrain::{DrawnGround, GROUND_STEP};
 use glam::DVec2;
-
-/// Least height of a deck above water, in metres.
-const DECK_CLEARANCE: f64 = 1.0;
 
 /// Gathers what the chunk `coord` of edge `size` metres owns.
 ///
@@ -19,42 +17,46 @@ const DECK_CLEARANCE: f64 = 1.0;
 /// [`LayerError::Cancelled`] when `cancel` is set.
 pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
-    let reach = Reach::new("chunk", bounds, widest_deck());
-    let overlap = stack.overlapping(bounds, &reach, cancel)?;
+    let reach = Reach::new("chunk", bounds, SURFACE_REACH);
+    let overlap = stack.overlapping(bounds.grown(SURFACE_REACH), &reach, cancel)?;
     let ground = Ground::of_vertices(stack.ground().vertices(), origin, size);
-    let mut chunk = Chunk { settlements: overlap.settlements, ..Chunk::empty(coord, size, ground) };
+    let mut chunk = Chunk::empty(coord, size, ground);
+    for settlement in overlap.settlements {
+        if stack.settlements().outline(&settlement)?.bounds().overlaps(bounds) {
+            chunk.settlements.push(settlement);
+        }
+    }
     for found in overlap.junctions {
         if owner_of(found.origin, found.item.at, size) == coord {
             chunk.junctions.push(Junction { at: found.item.at + found.origin.offset_to(origin), ..found.item });
         }
     }
-    for bridge in stack.bridges(bounds.grown(widest_deck()), &reach, cancel)? {
-        let mut drawn = stack.ground().drawn();
-        let floor = |p| {
-            let plan = origin.to_plan(p);
-            let (ground, sample) = (drawn.height(plan), stack.terrain().sample(plan));
-            if sample.depth() > 0.0 { ground.max(sample.water_level + DECK_CLEARANCE) } else { ground }
-        };
-        let street = bridge.item.moved(bridge.origin.offset_to(origin));
-        let below = if street.level > 0 { passed_over(stack, &street, origin, cancel)? } else { Vec::new() };
-        chunk.decks.push(Deck::new(&street, &below, floor));
-    }
+    let mut dry = stack.road_bed();
+    let mut graded: Vec<Graded> = Vec::with_capacity(overlap.streets.len());
     for found in overlap.streets {
         let offset = found.origin.offset_to(origin);
+        let street = found.item.street.moved(offset);
+        let profile = if street.bridge {
+            let deck = deck(stack, &street, origin, &mut dry, cancel)?;
+            let profile = deck.profile.clone();
+            if street.bounds().overlaps(bounds.moved(-origin.plan()).grown(widest_deck())) {
+                chunk.decks.push(deck);
+            }
+            profile
+        } else {
+            Profile::new(&street, origin, |p| dry.height(p))
+        };
+        graded.push(Graded { street: street.clone(), profile });
         if street_owner(found.origin, &found.item.street, size) == coord {
             chunk.streets.push(found.item.moved(offset));
-            continue;
-        }
-        let street = found.item.street;
-        if [street.from, street.to].iter().any(|end| own_junction(&chunk, *end)) {
-            chunk.arriving.push(street.moved(offset));
-        } else {
-            let street = street.moved(offset);
-            if chunk.own_pieces(&Pieces::new(&street)).next().is_some() {
-                chunk.passing.push(street);
-            }
+        } else if [street.from, street.to].iter().any(|end| own_junction(&chunk, *end)) {
+            chunk.arriving.push(street);
+        } else if chunk.own_pieces(&Pieces::new(&street)).next().is_some() {
+            chunk.passing.push(street);
         }
     }
+    cancel.check()?;
+    chunk.tin = tin(&chunk, &graded);
     for (town, cell) in overlap.cells {
         cancel.check()?;
         let from = town.town.origin;
@@ -69,6 +71,33 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
         chunk.footprints.extend(parcels.footprints.iter().map(|f| f.moved(offset)));
     }
     Ok(chunk)
+}
+
+/// Ground and streets of a chunk's square. `graded` are the streets within [`SURFACE_REACH`] of it, sorted by id.
+pub fn tin(chunk: &Chunk, graded: &[Graded]) -> Tin {
+    let square = Bounds::new(DVec2::ZERO, DVec2::splat(chunk.size as f64));
+    let works = Earthworks::new(graded.iter().map(|g| (&g.street, &g.profile)), square);
+    Tin::new(&shapes(graded, square), chunk.size, |column, row| {
+        let p = DVec2::new(column as f64, row as f64) * GROUND_STEP;
+        works.height(p, chunk.ground.vertex(column, row).height)
+    })
+}
+
+fn deck(
+    stack: &Stack,
+    bridge: &Street,
+    origin: Origin,
+    dry: &mut DrawnGround<'_>,
+    cancel: &Cancel,
+) -> Result<Deck, LayerError> {
+    let mut below = Vec::new();
+    if bridge.level > 0 {
+        for street in passed_over(stack, bridge, origin, cancel)? {
+            let profile = Profile::new(&street, origin, |p| dry.height(p));
+            below.push((street, profile));
+        }
+    }
+    Ok(Deck::new(bridge, origin, &below, |p| dry.height(p)))
 }
 
 /// Roads below a bridge, whole and local to `origin`: every chunk under the bridge finds the same roads.
@@ -96,6 +125,14 @@ impl Weigh for Chunk {
         let buildings: usize = self.footprints.iter().map(|f| size_of::<Footprint>() + f.polygon.len() * point).sum();
         let decks: usize = self.decks.iter().map(|d| 64 + d.line.len() * (point + size_of::<f64>())).sum();
         let ground = self.ground.samples.len() * size_of::<crate::terrain::TerrainSample>();
-        streets + blocks + lots + buildings + decks + ground + self.junctions.len() * size_of::<Junction>() + 256
+        streets
+            + blocks
+            + lots
+            + buildings
+            + decks
+            + ground
+            + self.tin.bytes()
+            + self.junctions.len() * size_of::<Junction>()
+            + 256
     }
 }

@@ -1,11 +1,11 @@
-//! The ground under a chunk as a triangulated grid of heights.
+//! The natural ground under a chunk as a triangulated grid of heights.
 
 use crate::space::Origin;
 use crate::terrain::{GROUND_STEP, Terrain, TerrainSample, height_in_square};
 use glam::{DVec2, I64Vec2};
 
 /// Terrain at the vertices of a square grid. Each grid square is two triangles, split from its south-west to its
-/// north-east corner; the surface of these triangles is the ground that is drawn, walked on and built on.
+/// north-east corner. Streets cut and fill this ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
     /// Number of grid squares along an edge.
@@ -34,16 +34,25 @@ impl Ground {
         &self.samples[row * (self.cells + 1) + column]
     }
 
-    /// Height of the drawn ground at a local point, in metres; `None` outside the square. [`DrawnGround`](crate::terrain::DrawnGround) and
-    /// [`World::height_at`](crate::world::World::height_at) know the height everywhere.
+    /// Height of the natural ground at a local point, in metres; `None` outside the square.
     pub fn height(&self, local: DVec2) -> Option<f64> {
+        self.value(local, |sample| sample.height)
+    }
+
+    /// Height of the water at a local point, in metres, below the ground where there is none; `None` outside the square.
+    pub fn water_level(&self, local: DVec2) -> Option<f64> {
+        self.value(local, |sample| sample.water_level)
+    }
+
+    /// A value between those at the vertices around a local point.
+    pub(crate) fn value(&self, local: DVec2, of: impl Fn(&TerrainSample) -> f64) -> Option<f64> {
         let (p, edge) = (local / GROUND_STEP, DVec2::splat(self.cells as f64));
         if !(p.cmpge(DVec2::ZERO) & p.cmple(edge)).all() {
             return None;
         }
         let cell = p.floor().min(DVec2::splat(self.cells as f64 - 1.0));
         let (column, row, f) = (cell.x as usize, cell.y as usize, p - cell);
-        let h = |dx, dy| self.vertex(column + dx, row + dy).height;
-        Some(height_in_square([h(0, 0), h(1, 0), h(0, 1), h(1, 1)], f))
+        let at = |dx, dy| of(self.vertex(column + dx, row + dy));
+        Some(height_in_square([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], f))
     }
 }

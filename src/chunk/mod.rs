@@ -1,11 +1,13 @@
-//! Layer 10: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; the padding is half
-//! the width of the widest bridge for roads, 0 for terrain, and the largest settlement radius for towns.
+//! Layer 10: what a chunk owns, and the ground under it. Reads everything that overlaps the chunk's square; the padding is
+//! [`SURFACE_REACH`](crate::surface::SURFACE_REACH) for streets, 0 for terrain, and the largest settlement radius for towns.
 
 mod assemble;
 mod ground;
 mod lanes;
 
 pub use assemble::assemble;
+#[cfg(test)]
+pub(crate) use assemble::tin;
 pub use ground::Ground;
 pub use lanes::ChunkLanes;
 
@@ -14,7 +16,7 @@ use crate::parcel::{Block, Footprint, Lot};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, Origin};
 use crate::stack::{PlacedStreet, owner_of};
-use crate::surface::{Deck, Pieces};
+use crate::surface::{Deck, Pieces, SurfaceKind, SurfacePoint, Tin};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -27,8 +29,10 @@ pub struct Chunk {
     pub origin: Origin,
     /// Edge of the chunk in metres.
     pub size: i64,
-    /// The ground, on a grid over the square.
+    /// The natural ground, on a grid over the square.
     pub ground: Ground,
+    /// Ground and streets in the square, whichever chunks own the streets: what is drawn and walked on.
+    pub tin: Tin,
     /// Junctions in the square, sorted by id.
     pub junctions: Vec<Junction>,
     /// Streets whose midpoint lies in the square, sorted by id. Their ends may lie in other chunks: join by id.
@@ -58,6 +62,7 @@ impl Chunk {
             coord,
             origin: coord.origin(size),
             size,
+            tin: Tin::new(&[], size, |column, row| ground.vertex(column, row).height),
             ground,
             junctions: Vec::new(),
             streets: Vec::new(),
@@ -77,7 +82,7 @@ impl Chunk {
         self.streets.iter().map(|s| &s.street).chain(&self.arriving).chain(&self.passing)
     }
 
-    /// The pieces of a street that this chunk draws: their indices among `pieces`. Every piece is drawn by one chunk, the one
+    /// The pieces of a street that belong to this chunk: their indices among `pieces`. Every piece belongs to the chunk
     /// that holds its middle, and reaches at most half the [`LONGEST_PIECE`](crate::surface::LONGEST_PIECE) out of its square.
     pub fn own_pieces(&self, pieces: &Pieces<'_>) -> impl Iterator<Item = usize> {
         let (origin, coord, size) = (self.origin, self.coord, self.size);
@@ -85,10 +90,20 @@ impl Chunk {
         pieces.middles().enumerate().filter(move |(_, middle)| own(*middle)).map(|(piece, _)| piece)
     }
 
-    /// Height of the surface that a walker stands on at a local point, in metres: the drawn ground, or the deck of a bridge over
-    /// it. Only decks at most `below` metres high count, so that a walker can be under a bridge. `None` outside the square.
+    /// Height of the surface that a walker stands on at a local point, in metres: the ground or a street on it, or the deck of a
+    /// bridge over it. Only decks at most `below` metres high count, so that a walker can be under a bridge. `None` outside the
+    /// square.
     pub fn surface(&self, local: DVec2, below: f64) -> Option<f64> {
         let decks = self.decks.iter().filter_map(|d| d.height(local)).filter(|h| *h <= below);
-        Some(decks.fold(self.ground.height(local)?, f64::max))
+        Some(decks.fold(self.tin.at(local)?.height, f64::max))
+    }
+
+    /// The ground or the street at a local point, not counting decks. `None` outside the square.
+    pub fn surface_at(&self, local: DVec2) -> Option<SurfacePoint> {
+        let mut point = self.tin.at(local)?;
+        if point.kind == SurfaceKind::Ground && point.height < self.ground.water_level(local)? {
+            point.kind = SurfaceKind::Water;
+        }
+        Some(point)
     }
 }

@@ -90,10 +90,9 @@ impl File {
         }
         let positions = buffers.positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         // Readers insist on normals of unit length.
-        let unit = |n: &[f32; 3]| Vec3::from(*n).try_normalize().unwrap_or(Vec3::Y).to_array();
-        let normals = buffers.normals.iter().flat_map(unit).flat_map(f32::to_le_bytes).collect();
-        let channel = |x: &f32| (x.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16;
-        let colours = buffers.colours.iter().flatten().flat_map(|x| channel(x).to_le_bytes()).collect();
+        let unit = |vertex: u32| buffers.normal(vertex).try_normalize().unwrap_or(Vec3::Y).to_array();
+        let normals = (0..count as u32).flat_map(unit).flat_map(f32::to_le_bytes).collect();
+        let colours = buffers.colours.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let indices = buffers.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
 
         let vertices = Some(Target::ArrayBuffer);
@@ -198,8 +197,8 @@ mod tests {
     fn square(height: f32) -> MeshBuffers {
         MeshBuffers {
             positions: vec![[1.0, height, 0.0], [9.1, height, 0.0], [9.1, height, -7.0], [1.0, height, -7.0]],
-            normals: vec![[0.0, 2.0, 0.0]; 4],
-            colours: vec![[0.5, 1.5, 0.25, 1.0]; 4],
+            normals: vec![[0, 90, 0, 0]; 4],
+            colours: vec![[32768, 65535, 16384, 65535]; 4],
             indices: vec![0, 1, 2, 0, 2, 3],
         }
     }

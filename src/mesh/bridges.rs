@@ -1,11 +1,11 @@
 //! Bridges: decks with parapets on piers.
 
 use crate::mesh::buffers::{MeshBuffers, Rgb};
-use crate::mesh::drape::Drape;
-use crate::mesh::ribbon::{KERB_HEIGHT, KERBSTONE, PAVEMENT, carriageway_colour};
+use crate::mesh::footing::Footing;
+use crate::mesh::streets::{KERBSTONE, PAVEMENT, carriageway_colour};
 use crate::network::Street;
-use crate::space::left_normal;
-use crate::surface::{Deck, Pieces, offset_line};
+use crate::space::{left_normal, quantize};
+use crate::surface::{Deck, KERB_HEIGHT, Pieces, offset_line};
 use glam::DVec2;
 
 const CONCRETE: Rgb = [0.330, 0.325, 0.310];
@@ -33,19 +33,26 @@ const PIER_HALF: f64 = 0.6;
 /// Half the width of a pier as a share of half the width of its deck.
 const PIER_SHARE: f64 = 0.6;
 
-/// Adds pieces of a bridge, `own` by their indices: its deck with parapets, on piers. Adds nothing if the chunk has no deck for it.
+/// Adds pieces of a bridge, `own` by their indices: its deck with parapets, on piers.
 pub(super) fn bridge(
-    drape: &mut Drape<'_>,
+    footing: &mut Footing<'_>,
     out: &mut MeshBuffers,
+    deck: &Deck,
     street: &Street,
     pieces: &Pieces<'_>,
     own: &[usize],
 ) {
-    let Some(Deck { line, heights, half_width: outer, crossings, .. }) = drape.deck(street.id) else { return };
-    let (left, right) = (offset_line(line, *outer), offset_line(line, -outer));
+    let Deck { line, heights, section, crossings, .. } = deck;
+    let outer = section.outer;
+    let offset_line = |line: &[DVec2], by: f64| -> Vec<DVec2> {
+        let start = line[0];
+        let own: Vec<DVec2> = line.iter().map(|p| *p - start).collect();
+        offset_line(&own, by).into_iter().map(|p| start + quantize(p)).collect()
+    };
+    let (left, right) = (offset_line(line, outer), offset_line(line, -outer));
     let (inner_left, inner_right) =
         (offset_line(line, outer - PARAPET_WIDTH), offset_line(line, PARAPET_WIDTH - outer));
-    let kerb = street.class.carriageway() / 2.0;
+    let kerb = section.carriageway;
     let (kerb_left, kerb_right) = (offset_line(line, kerb), offset_line(line, -kerb));
     let carriageway = carriageway_colour(street.class);
     // Pieces of a deck meet at the points of its line.
@@ -55,7 +62,7 @@ pub(super) fn bridge(
         let quad = |out: &mut MeshBuffers, a: (&[DVec2], f64), b: (&[DVec2], f64), colour| {
             out.face(&[at(a.0, 0, a.1), at(a.0, 1, a.1), at(b.0, 1, b.1), at(b.0, 0, b.1)], colour);
         };
-        if street.class.pavement() > 0.0 {
+        if section.paved {
             quad(out, (&kerb_right, 0.0), (&kerb_left, 0.0), carriageway);
             quad(out, (&inner_right, KERB_HEIGHT), (&kerb_right, KERB_HEIGHT), PAVEMENT);
             quad(out, (&kerb_right, KERB_HEIGHT), (&kerb_right, 0.0), KERBSTONE);
@@ -74,14 +81,14 @@ pub(super) fn bridge(
             quad((inner, PARAPET), (inner, 0.0));
         }
         if i % PIER_EVERY == PIER_EVERY - 1 && crossings.iter().all(|p| p.distance(line[i]) > PIER_CLEARANCE) {
-            pier(drape, out, line, i, heights[i] - DECK, outer * PIER_SHARE);
+            pier(footing, out, line, i, heights[i] - DECK, outer * PIER_SHARE);
         }
     }
 }
 
 /// Adds a pier under point `i` of a bridge's line, from the ground up to the height `top`.
-fn pier(drape: &mut Drape<'_>, out: &mut MeshBuffers, line: &[DVec2], i: usize, top: f64, half: f64) {
-    let base = drape.height(line[i]) - PIER_FOOT;
+fn pier(footing: &mut Footing<'_>, out: &mut MeshBuffers, line: &[DVec2], i: usize, top: f64, half: f64) {
+    let base = footing.height(line[i]) - PIER_FOOT;
     if top - base < LOWEST_PIER {
         return;
     }

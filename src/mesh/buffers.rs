@@ -2,15 +2,16 @@
 
 use glam::{DVec3, Vec3};
 
-/// Vertices, each with a normal and a linear RGBA colour, and triangles, counter-clockwise seen from the front.
+/// Vertices, each with a normal and a linear RGBA colour, and triangles, counter-clockwise seen from the front. A vertex takes
+/// 24 bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshBuffers {
     /// Positions in metres, in Bevy's axes, from the chunk's south-west corner.
     pub positions: Vec<[f32; 3]>,
-    /// Unit normals.
-    pub normals: Vec<[f32; 3]>,
-    /// Colours, linear RGBA.
-    pub colours: Vec<[f32; 4]>,
+    /// Unit normals, 127 for 1. The fourth number is 0: it fills the place.
+    pub normals: Vec<[i8; 4]>,
+    /// Colours, linear RGBA, 65535 for 1.
+    pub colours: Vec<[u16; 4]>,
     /// Indices of vertices, three per triangle.
     pub indices: Vec<u32>,
 }
@@ -35,23 +36,50 @@ impl MeshBuffers {
     /// whole metres wide, so a texture that is one metre wide, or a divisor of the chunk's edge, goes on over their borders.
     /// On walls, u runs along the wall, to the right of someone who looks at it, and v downwards from height 0.
     pub fn texture_coordinates(&self) -> Vec<[f32; 2]> {
-        let place = |(position, normal): (&[f32; 3], &[f32; 3])| {
-            let ([x, y, z], normal) = (*position, Vec3::from(*normal));
+        let mut out: Vec<[f32; 2]> = self.positions.iter().map(|[x, _, z]| [*x, *z]).collect();
+        for triangle in self.indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| Vec3::from(self.positions[triangle[i] as usize]));
+            let normal = (b - a).cross(c - a).normalize_or_zero();
             // To the right of someone who looks against the normal.
-            match Vec3::Y.cross(normal).try_normalize() {
-                Some(right) if normal.y.abs() < 0.7 => [Vec3::new(x, y, z).dot(right), -y],
-                _ => [x, z],
+            if let Some(right) = Vec3::Y.cross(normal).try_normalize().filter(|_| normal.y.abs() < 0.7) {
+                for i in triangle {
+                    let p = Vec3::from(self.positions[*i as usize]);
+                    out[*i as usize] = [p.dot(right), -p.y];
+                }
             }
-        };
-        self.positions.iter().zip(&self.normals).map(place).collect()
+        }
+        out
+    }
+
+    /// The normal of a vertex.
+    pub fn normal(&self, vertex: u32) -> Vec3 {
+        let [x, y, z, _] = self.normals[vertex as usize].map(|n| f32::from(n) / 127.0);
+        Vec3::new(x, y, z)
+    }
+
+    /// Makes room for vertices and triangles.
+    pub(super) fn reserve(&mut self, vertices: usize, triangles: usize) {
+        self.positions.reserve_exact(vertices);
+        self.normals.reserve_exact(vertices);
+        self.colours.reserve_exact(vertices);
+        self.indices.reserve_exact(3 * triangles);
+    }
+
+    /// Gives back room that is not used.
+    pub(super) fn shrink(&mut self) {
+        self.positions.shrink_to_fit();
+        self.normals.shrink_to_fit();
+        self.colours.shrink_to_fit();
+        self.indices.shrink_to_fit();
     }
 
     /// Adds a vertex (plan x, plan y, height) and returns its index.
     pub(super) fn vertex(&mut self, at: DVec3, normal: DVec3, colour: Rgb, alpha: f32) -> u32 {
         let index = self.positions.len() as u32;
         self.positions.push(to_bevy(at));
-        self.normals.push(to_bevy(normal));
-        self.colours.push([colour[0], colour[1], colour[2], alpha]);
+        let [x, y, z] = to_bevy(normal).map(|n| (n * 127.0).round() as i8);
+        self.normals.push([x, y, z, 0]);
+        self.colours.push([colour[0], colour[1], colour[2], alpha].map(|c| (c * 65535.0).round() as u16));
         index
     }
 
@@ -59,7 +87,7 @@ impl MeshBuffers {
     pub(super) fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|i| Vec3::from(self.positions[i as usize]));
         let cross = (b - a).cross(c - a);
-        if cross.length_squared() > 1e-10 && cross.dot(Vec3::from(self.normals[corners[0] as usize])) > 0.0 {
+        if cross.length_squared() > 1e-10 && cross.dot(self.normal(corners[0])) > 0.0 {
             self.indices.extend(corners);
         }
     }

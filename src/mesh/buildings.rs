@@ -2,17 +2,17 @@
 
 use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::mesh::drape::Drape;
+use crate::mesh::footing::Footing;
 use crate::mesh::roofs::{Roof, cap, roof};
 use crate::mesh::windows::{Facade, windows};
 use crate::parcel::{Footprint, Lot, STOREY_HEIGHT};
 use crate::space::{Bounds, stable_hash};
 use glam::DVec2;
 
-/// Depth of walls in the ground, in metres, in full detail.
-const FOOT: f64 = 0.6;
-/// Depth of walls in the ground, in metres, in reduced detail: the coarse ground may lie lower.
-const FAR_FOOT: f64 = 3.0;
+/// Depth of walls below the ground floor, in metres, in full detail: the ground floor lies at most 2 m above the ground.
+const FOOT: f64 = 2.6;
+/// The same in reduced detail: the coarse ground may lie lower.
+const FAR_FOOT: f64 = 4.0;
 
 /// Height of the block that stands for a pitched roof in reduced detail, in metres.
 const FAR_ROOF: f64 = 1.2;
@@ -44,7 +44,7 @@ const ROOFS: [Rgb; 6] = [
 const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
 
 /// All buildings of a chunk, and their windows. Unless `full`, buildings are boxes without windows.
-pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
+pub(super) fn buildings(chunk: &Chunk, footing: &mut Footing<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
     let (mut solids, mut panes) = (MeshBuffers::default(), MeshBuffers::default());
     let mut lots: Vec<&Lot> = chunk.lots.iter().collect();
     lots.sort_by_key(|l| l.id);
@@ -57,7 +57,7 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
             row.iter().map(|(_, f)| (Bounds::of(f.polygon.iter().copied()), &*f.polygon)).collect();
         for (_, footprint) in row {
             let lot = lot_of(footprint);
-            building(&mut solids, footprint, lot, drape, full);
+            building(&mut solids, footprint, lot, full);
             if full {
                 let facade = Facade {
                     plan: &footprint.polygon,
@@ -67,7 +67,7 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
                     street: lot.map(|l| (l.polygon[1] - l.polygon[0]).normalize_or_zero()),
                     id: footprint.id,
                 };
-                windows(&mut panes, &facade, &neighbours, drape);
+                windows(&mut panes, &facade, &neighbours, footing);
             }
         }
     }
@@ -75,9 +75,9 @@ pub(super) fn buildings(chunk: &Chunk, drape: &mut Drape<'_>, full: bool) -> (Me
 }
 
 /// Adds a building.
-fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, drape: &mut Drape<'_>, full: bool) {
+fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, full: bool) {
     let plan = &footprint.polygon;
-    let foot = plan.iter().map(|p| drape.height(*p)).fold(f64::INFINITY, f64::min) - if full { FOOT } else { FAR_FOOT };
+    let foot = footprint.base - if full { FOOT } else { FAR_FOOT };
     let eaves = footprint.base + footprint.height;
     let pick = |salt: u64, n: usize| (stable_hash(&[footprint.id, salt]) % n as u64) as usize;
     // The buildings of a block have similar colours.

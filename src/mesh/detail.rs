@@ -5,7 +5,7 @@
 pub enum Detail {
     /// Everything.
     Full,
-    /// For the distance: coarse ground, streets as flat ribbons and buildings as boxes. The ground is fine along its border, so
-    /// that it meets the ground of any other detail without a crack.
+    /// For the distance: coarse ground where no street is near, streets without kerbs and paint, and buildings as boxes. Its border
+    /// is that of full detail, so that it meets any other detail without a crack.
     Reduced,
 }

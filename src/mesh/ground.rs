@@ -2,8 +2,9 @@
 
 use crate::chunk::Chunk;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::mesh::drape::Drape;
-use crate::terrain::{GROUND_STEP, TerrainSample};
+use crate::mesh::coarse;
+use crate::surface::Finish;
+use crate::terrain::{GROUND_STEP, Terrain, TerrainSample};
 use glam::{DVec2, DVec3, IVec2};
 
 const GRASS: Rgb = [0.125, 0.205, 0.052];
@@ -18,8 +19,8 @@ const WATER: Rgb = [0.020, 0.105, 0.165];
 /// Opacity of water.
 const WATER_ALPHA: f32 = 0.72;
 
-/// Edge of a square of water or of coarse ground, in squares of the ground.
-pub(super) const COARSE: usize = 4;
+/// Edge of a square of water, in squares of the ground.
+const COARSE: usize = 4;
 
 /// Colour of the ground by water, slope, vegetation and height, each passing smoothly into the next.
 fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
@@ -33,60 +34,93 @@ fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
     blend(BED, shore, step(-3.0, -0.2, above))
 }
 
-/// The chunk's ground: every square, or coarse squares with a fine border.
-pub(super) fn ground(chunk: &Chunk, drape: &mut Drape<'_>, coarse: bool) -> MeshBuffers {
+/// The chunk's ground. `terrain` is the terrain that the chunk's ground was sampled from. Unless `full`, it is coarse where no
+/// street is near, and without the height of kerbs.
+pub(super) fn ground(chunk: &Chunk, terrain: &dyn Terrain, full: bool) -> MeshBuffers {
+    let tin = &chunk.tin;
     let mut out = MeshBuffers::default();
-    let cells = chunk.ground.cells;
-    let wanted = |c: usize, r: usize| {
-        let border = c == 0 || r == 0 || c == cells || r == cells;
-        !coarse || border || (c.is_multiple_of(COARSE) && r.is_multiple_of(COARSE))
-    };
-    let mut index = vec![u32::MAX; (cells + 1) * (cells + 1)];
-    for row in 0..=cells {
-        for column in 0..=cells {
-            if !wanted(column, row) {
-                continue;
-            }
-            let (height, gradient) = drape.corner(IVec2::new(column as i32, row as i32));
-            let at = DVec3::new(column as f64 * GROUND_STEP, row as f64 * GROUND_STEP, height);
-            let normal = DVec3::new(-gradient.x, -gradient.y, 1.0).normalize();
-            let colour = colour(chunk.ground.vertex(column, row), gradient);
-            index[row * (cells + 1) + column] = out.vertex(at, normal, colour, 1.0);
-        }
+    let coarse = if full { Vec::new() } else { coarse::triangles(tin) };
+    let fine = tin.triangles.iter().filter(|t| full && t.1 == Finish::Ground).map(|t| t.0);
+    let triangles = || fine.clone().chain(coarse.iter().copied());
+    out.reserve(tin.points.len(), tin.triangles.len());
+    let mut normals = vec![DVec3::ZERO; tin.points.len()];
+    for corners in triangles() {
+        let [a, b, c] = corners.map(|v| tin.points[v as usize]);
+        let normal = (b - a).cross(c - a);
+        corners.iter().for_each(|v| normals[*v as usize] += normal);
     }
-    let at = |c: usize, r: usize| index[r * (cells + 1) + c];
-    let step = if coarse { COARSE } else { 1 };
-    for row in (0..cells).step_by(step) {
-        for column in (0..cells).step_by(step) {
-            let (east, north) = (column + step, row + step);
-            if coarse && (column == 0 || row == 0 || east == cells || north == cells) {
-                // A fan over the vertices around the square, from a corner inside the chunk if there is one.
-                let south_side = (column..east).map(|c| (c, row));
-                let east_side = (row..north).map(|r| (east, r));
-                let north_side = (column + 1..=east).rev().map(|c| (c, north));
-                let west_side = (row + 1..=north).rev().map(|r| (column, r));
-                let mut ring: Vec<(usize, usize)> = south_side
-                    .chain(east_side)
-                    .chain(north_side)
-                    .chain(west_side)
-                    .filter(|p| wanted(p.0, p.1))
-                    .collect();
-                let inner = |v: usize| if v == 0 || v == cells { step } else { 0 };
-                let apex = [(column, row), (east, row), (east, north), (column, north)]
-                    .into_iter()
-                    .min_by_key(|(c, r)| inner(*c) + inner(*r))
-                    .and_then(|apex| ring.iter().position(|p| *p == apex));
-                ring.rotate_left(apex.unwrap_or(0));
-                for i in 1..ring.len() - 1 {
-                    out.triangle([ring[0], ring[i], ring[i + 1]].map(|(c, r)| at(c, r)));
-                }
-                continue;
+    let rim = Rim::new(chunk, terrain);
+    let mut slots = vec![u32::MAX; tin.points.len()];
+    for corners in triangles() {
+        let corners = corners.map(|v| {
+            let slot = &mut slots[v as usize];
+            if *slot == u32::MAX {
+                let p = tin.points[v as usize].truncate();
+                let own = normals[v as usize];
+                let gradient = rim.gradient(p).unwrap_or(-own.truncate() / own.z.max(1e-9));
+                let normal = DVec3::new(-gradient.x, -gradient.y, 1.0).normalize();
+                let of = |value: fn(&TerrainSample) -> f64| chunk.ground.value(p, value).unwrap_or_default();
+                let sample = TerrainSample {
+                    height: if full { tin.height_of(v, Finish::Ground) } else { tin.points[v as usize].z },
+                    water_level: of(|s| s.water_level),
+                    vegetation: of(|s| s.vegetation),
+                };
+                let at = p.extend(sample.height);
+                *slot = out.vertex(at, normal, colour(&sample, gradient), 1.0);
             }
-            out.triangle([at(column, row), at(east, row), at(east, north)]);
-            out.triangle([at(column, row), at(east, north), at(column, north)]);
-        }
+            *slot
+        });
+        out.indices.extend(corners);
     }
+    out.shrink();
     out
+}
+
+/// Gradients of the natural ground along the border of a chunk's square: both chunks at a border know them, but not the triangles
+/// on the other side.
+struct Rim {
+    size: f64,
+    /// Gradients at the vertices of the ground along the south, the north, the west and the east side.
+    sides: [Vec<DVec2>; 4],
+}
+
+impl Rim {
+    fn new(chunk: &Chunk, terrain: &dyn Terrain) -> Self {
+        let ground = &chunk.ground;
+        let cells = ground.cells as i32;
+        let mut scan = terrain.scan_ground();
+        let mut height = |at: IVec2| {
+            let inside = at.min_element() >= 0 && at.max_element() <= cells;
+            match inside {
+                true => ground.vertex(at.x as usize, at.y as usize).height,
+                false => scan(chunk.origin.to_plan(at.as_dvec2() * GROUND_STEP)).height,
+            }
+        };
+        let mut gradient = |at: IVec2| {
+            let mut along = |d: IVec2| (height(at + d) - height(at - d)) / (2.0 * GROUND_STEP);
+            DVec2::new(along(IVec2::X), along(IVec2::Y))
+        };
+        let sides = [(0, None), (cells, None), (0, Some(())), (cells, Some(()))].map(|(edge, upright)| {
+            (0..=cells)
+                .map(|i| gradient(if upright.is_some() { IVec2::new(edge, i) } else { IVec2::new(i, edge) }))
+                .collect()
+        });
+        Self { size: chunk.size as f64, sides }
+    }
+
+    /// The gradient at a point on the border; `None` elsewhere.
+    fn gradient(&self, p: DVec2) -> Option<DVec2> {
+        let (side, along) = match p {
+            DVec2 { y: 0.0, x } => (0, x),
+            DVec2 { y, x } if y == self.size => (1, x),
+            DVec2 { x: 0.0, y } => (2, y),
+            DVec2 { x, y } if x == self.size => (3, y),
+            _ => return None,
+        };
+        let at = along / GROUND_STEP;
+        let i = (at as usize).min(self.sides[side].len() - 2);
+        Some(self.sides[side][i].lerp(self.sides[side][i + 1], at - i as f64))
+    }
 }
 
 /// The surface of the water, in every square with ground below the water level in it or on its edges.

@@ -1,5 +1,5 @@
-//! Layer 11: vertex buffers of a chunk. Reads the chunk, the outlines of its streets from `surface`, the terrain under streets
-//! that leave its square, and one ground vertex around the square; padding: half a piece of a street and half a street's width.
+//! Layer 11: vertex buffers of a chunk. Reads the chunk, and the natural ground around its square; padding: half a piece of a
+//! bridge, half a street's width, and buildings that stand out of the square.
 //!
 //! Axes are Bevy's: x east, y up, z south, in metres from the chunk's south-west corner.
 
@@ -7,13 +7,13 @@ mod bridges;
 mod buffers;
 mod build;
 mod buildings;
+mod coarse;
 mod detail;
-mod drape;
+mod footing;
 mod ground;
-mod junctions;
 mod part;
-mod ribbon;
 mod roofs;
+mod streets;
 #[cfg(test)]
 mod tests;
 mod windows;

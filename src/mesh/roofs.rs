@@ -1,7 +1,7 @@
 //! Roofs over footprints: flat, gabled, hipped and mansard. Each roof closes the walls below it edge to edge.
 
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::space::{cross, left_normal, orient, stable_hash};
+use crate::space::{cross, ears, left_normal, stable_hash};
 use glam::{DVec2, DVec3};
 
 /// Buildings with this many storeys or more have no pitched roof.
@@ -138,26 +138,4 @@ fn inset(plan: &[DVec2], by: f64) -> Option<Vec<DVec2>> {
         })
         .collect();
     (0..n).all(|i| (moved[(i + 1) % n] - moved[i]).dot(edge(i)) > 1.0).then_some(moved)
-}
-
-/// Triangles of a simple counter-clockwise polygon, by cutting off ears.
-pub(super) fn ears(plan: &[DVec2]) -> Vec<[usize; 3]> {
-    let mut left: Vec<usize> = (0..plan.len()).collect();
-    let mut out = Vec::with_capacity(plan.len().saturating_sub(2));
-    while left.len() > 3 {
-        let n = left.len();
-        let corner = |k: usize| [left[(k + n - 1) % n], left[k], left[(k + 1) % n]];
-        let is_ear = |k: &usize| {
-            let t = corner(*k);
-            let [a, b, c] = t.map(|i| plan[i]);
-            let holds = |p: DVec2| orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0;
-            orient(a, b, c) > 0.0 && !left.iter().any(|i| !t.contains(i) && holds(plan[*i]))
-        };
-        // A polygon that crosses itself runs out of ears; its rest is cut in order.
-        let k = (0..n).find(is_ear).unwrap_or(0);
-        out.push(corner(k));
-        left.remove(k);
-    }
-    out.extend(<[usize; 3]>::try_from(left).ok());
-    out
 }

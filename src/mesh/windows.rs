@@ -1,7 +1,7 @@
 //! Windows and doors: flat panes just in front of the walls, on every wall that no neighbour stands against.
 
 use crate::mesh::buffers::{MeshBuffers, Rgb};
-use crate::mesh::drape::Drape;
+use crate::mesh::footing::Footing;
 use crate::space::{Bounds, point_in_polygon, stable_hash};
 use glam::DVec2;
 
@@ -51,7 +51,7 @@ pub(super) fn windows(
     out: &mut MeshBuffers,
     facade: &Facade<'_>,
     neighbours: &[(Bounds, &[DVec2])],
-    drape: &mut Drape<'_>,
+    footing: &mut Footing<'_>,
 ) {
     let n = facade.plan.len();
     let door_wall = facade.street.and_then(|street| {
@@ -74,7 +74,7 @@ pub(super) fn windows(
         }
         let mut pane = |out: &mut MeshBuffers, middle: DVec2, half: f64, low: f64, high: f64, colour: Rgb| {
             let (p, q) = (middle - u * half + outwards * PANE_OFFSET, middle + u * half + outwards * PANE_OFFSET);
-            if low + 0.1 > drape.height(middle + outwards * PANE_OFFSET) {
+            if low + 0.1 > footing.height(middle + outwards * PANE_OFFSET) {
                 out.face(&[p.extend(low), q.extend(low), q.extend(high), p.extend(high)], colour);
             }
         };

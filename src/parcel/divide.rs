@@ -1,12 +1,14 @@
 //! Dividing a main cell into blocks, lots and footprints.
 
 use crate::layer::{Cancel, LayerError};
+use crate::network::Street;
 use crate::parcel::blocks::{BlockShape, blocks};
 use crate::parcel::brief::ParcelBrief;
 use crate::parcel::footprints::{PARAPET, footprint, ground_floor, storeys};
 use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};
 use crate::parcel::lots::lots;
-use crate::space::{quantize, quantum_key, stable_hash};
+use crate::space::{Bounds, quantize, quantum_key, stable_hash};
+use crate::surface::{Earthworks, FREEBOARD, Profile};
 use glam::DVec2;
 
 /// Greatest length of a park's border without a street, in metres: streets of different widths leave a little at corners.
@@ -25,6 +27,7 @@ const MOST_OPEN: f64 = 12.0;
 pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, LayerError> {
     let mut out = CellParcels::default();
     let mut ground = brief.ground.drawn();
+    let works = earthworks(brief);
     let shapes = blocks(brief.border, brief.streets);
     cancel.check()?;
     for shape in shapes {
@@ -44,7 +47,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
                 out.footprints.push(Footprint {
                     id: stable_hash(&[lot_id, 1]),
                     lot: lot_id,
-                    base: ground_floor(plan.iter().map(|p| ground.height(brief.origin.to_plan(*p)))),
+                    base: ground_floor(plan.iter().map(|p| works.height(*p, ground.height(brief.origin.to_plan(*p))))),
                     height: f64::from(storeys) * STOREY_HEIGHT + PARAPET,
                     polygon: plan,
                     storeys,
@@ -54,6 +57,14 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
         }
     }
     Ok(out)
+}
+
+/// How the cell's streets shape the ground in it.
+fn earthworks(brief: &ParcelBrief<'_>) -> Earthworks {
+    let mut bed = brief.ground.dry(FREEBOARD);
+    let streets: Vec<(&Street, Profile)> =
+        brief.streets.iter().map(|s| (*s, Profile::new(s, brief.origin, |p| bed.height(p)))).collect();
+    Earthworks::new(streets.iter().map(|(s, p)| (*s, p)), Bounds::of(brief.border.iter().copied()))
 }
 
 /// Whether there are streets on all sides of a block. Only such a block may become a park: elsewhere the town ends.

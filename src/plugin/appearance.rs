@@ -4,7 +4,7 @@ use crate::mesh::{ChunkMesh, MeshBuffers, PartMaterial};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::ecs::component::{Mutable, StorageType};
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
 use std::ops::{Index, IndexMut};
 
@@ -25,7 +25,8 @@ fn default_material(part: ChunkPart) -> StandardMaterial {
 
 /// The materials that all chunks share, one for each [`ChunkPart`]. Colours come from the vertices.
 ///
-/// A game may change a material at any time, or replace a handle before the first chunk is loaded:
+/// A game may change a material at any time, or replace a handle before the first chunk is loaded. Materials with textures need
+/// [`StreamSettings::texture_coordinates`](crate::plugin::StreamSettings::texture_coordinates).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -67,26 +68,34 @@ pub(super) struct PartMesh {
     pub bounds: Aabb,
 }
 
-/// The meshes of a chunk that are not empty. With `keep`, their vertices stay in main memory when they go to the GPU.
-pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool) -> Vec<PartMesh> {
+/// The meshes of a chunk that are not empty. With `keep`, their vertices stay in main memory when they go to the GPU; with
+/// `textured`, they have texture coordinates.
+pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool, textured: bool) -> Vec<PartMesh> {
     chunk
         .into_parts()
         .filter(|(_, buffers)| !buffers.indices.is_empty())
         .map(|(part, buffers)| {
             let bounds = bounds(&buffers);
-            PartMesh { part, mesh: to_mesh(buffers, keep), bounds }
+            PartMesh { part, mesh: to_mesh(buffers, keep, textured), bounds }
         })
         .collect()
 }
 
-fn to_mesh(buffers: MeshBuffers, keep: bool) -> Mesh {
+/// Normals of four bytes. Bevy matches attributes by their ids and takes their formats as they are.
+const NORMAL: MeshVertexAttribute = MeshVertexAttribute { format: VertexFormat::Snorm8x4, ..Mesh::ATTRIBUTE_NORMAL };
+
+/// Colours of eight bytes.
+const COLOUR: MeshVertexAttribute = MeshVertexAttribute { format: VertexFormat::Unorm16x4, ..Mesh::ATTRIBUTE_COLOR };
+
+fn to_mesh(buffers: MeshBuffers, keep: bool, textured: bool) -> Mesh {
     let usage = if keep { RenderAssetUsages::default() } else { RenderAssetUsages::RENDER_WORLD };
-    let places = buffers.texture_coordinates();
-    Mesh::new(PrimitiveTopology::TriangleList, usage)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, buffers.positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, buffers.normals)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, places)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, buffers.colours)
+    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, usage);
+    if textured {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, buffers.texture_coordinates());
+    }
+    mesh.with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, buffers.positions)
+        .with_inserted_attribute(NORMAL, VertexAttributeValues::Snorm8x4(buffers.normals))
+        .with_inserted_attribute(COLOUR, VertexAttributeValues::Unorm16x4(buffers.colours))
         .with_inserted_indices(Indices::U32(buffers.indices))
 }
 

@@ -11,7 +11,7 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::Settlement;
 use crate::space::{ChunkCoord, closest_on_line};
-use crate::surface::LONGEST_PIECE;
+use crate::surface::{LONGEST_PIECE, SurfacePoint};
 use crate::world::{NearestStreet, Route, World};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::{Entity, Query, Res, Vec3};
@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// | answered at once, in microseconds | answered in the background |
 /// |---|---|
 /// | [`height`](Self::height), [`on_ground`](Self::on_ground): anywhere | [`route`](Self::route) |
-/// | [`settlement_at`](Self::settlement_at), [`nearest_street`](Self::nearest_street), [`street`](Self::street), [`junction`](Self::junction), [`data`](Self::data), [`is_ready`](Self::is_ready): from loaded chunks; `None` elsewhere | [`nearest_town`](Self::nearest_town), [`spawn_point`](Self::spawn_point), and with [`ask`](Self::ask) anything that the generator knows |
+/// | [`surface_at`](Self::surface_at), [`settlement_at`](Self::settlement_at), [`nearest_street`](Self::nearest_street), [`street`](Self::street), [`junction`](Self::junction), [`data`](Self::data), [`is_ready`](Self::is_ready): from loaded chunks; `None` elsewhere | [`nearest_town`](Self::nearest_town), [`spawn_point`](Self::spawn_point), and with [`ask`](Self::ask) anything that the generator knows |
 ///
 /// The second kind returns a [`SprawlTask`], to be polled or awaited.
 #[derive(SystemParam)]
@@ -89,9 +89,9 @@ impl Sprawl<'_, '_> {
         Some(self.to_bevy(p, self.surface(p, f64::INFINITY)?))
     }
 
-    /// Height of the surface that a walker at a Bevy point stands on, in metres: the drawn ground, whether it is above or below
-    /// the point, or, if the chunk is loaded, a bridge deck below the point or at most half a metre above it. `None` until
-    /// there is a world, and outside of it.
+    /// Height of the surface that a walker at a Bevy point stands on, in metres: the ground or a street, whether it is above or
+    /// below the point, or a bridge deck below the point or at most half a metre above it. Where the chunk is not loaded, this is
+    /// the natural ground, which streets may cut or fill. `None` until there is a world, and outside of it.
     pub fn height(&self, p: Vec3) -> Option<f32> {
         Some(self.surface(self.to_plan(p), f64::from(p.y) + STEP)? as f32)
     }
@@ -100,7 +100,15 @@ impl Sprawl<'_, '_> {
         let world = self.world()?;
         let loaded = self.data(self.chunk_containing(p)?);
         let surface = loaded.and_then(|ChunkData(chunk)| chunk.surface(chunk.origin.to_local(p), below));
-        Some(surface.unwrap_or_else(|| world.height_at(p)))
+        Some(surface.unwrap_or_else(|| world.natural_height(p)))
+    }
+
+    /// What is at a Bevy point, whatever its height: ground, water or the part of a street, with its height in metres. Decks of
+    /// bridges do not count. `None` where the chunk is not loaded.
+    pub fn surface_at(&self, p: Vec3) -> Option<SurfacePoint> {
+        let plan = self.to_plan(p);
+        let ChunkData(chunk) = self.data(self.chunk_containing(plan)?)?;
+        chunk.surface_at(chunk.origin.to_local(plan))
     }
 
     /// The name of the chunk at a Bevy point. `None` until there is a world, and outside of it.

@@ -57,7 +57,7 @@ pub(super) fn spawn_point(world: &World, near: DVec2, cancel: &Cancel) -> Result
         }
     }
     let (at, along) = street.map_or((near, DVec2::Y), |s| (s.at, heading(&s)));
-    Ok(SpawnPoint { at, height: world.height_at(at), along })
+    Ok(SpawnPoint { at, height: world.height_at(at, cancel)?, along })
 }
 
 /// The town or city whose centre is nearest to a plan point.

@@ -22,6 +22,8 @@ pub struct StreamSettings {
     /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. This needs about
     /// twice the memory. Colliders do not need it: they can be made from [`ChunkData`](crate::plugin::ChunkData).
     pub keep_meshes: bool,
+    /// Gives meshes texture coordinates in metres, for materials with textures. A vertex takes 24 bytes without and 32 with them.
+    pub texture_coordinates: bool,
 }
 
 impl Default for StreamSettings {
@@ -33,6 +35,7 @@ impl Default for StreamSettings {
             removals_per_frame: 4,
             lookahead_s: 4.0,
             keep_meshes: false,
+            texture_coordinates: false,
         }
     }
 }

@@ -7,6 +7,7 @@ mod bounds;
 mod clip;
 mod coord;
 mod disjoint_sets;
+mod ears;
 mod geographic;
 mod geometry;
 pub mod math;
@@ -18,6 +19,7 @@ pub use bounds::Bounds;
 pub use clip::{ClippedPoint, clip_line};
 pub use coord::{CHUNK_SIZE, ChunkCoord, Origin, QUANTUM, quantize, quantum_key};
 pub use disjoint_sets::DisjointSets;
+pub use ears::ears;
 pub use geographic::Geographic;
 pub use geometry::{
     SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,

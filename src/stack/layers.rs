@@ -13,7 +13,8 @@ use crate::seam::{self, TownAndStyles};
 use crate::space::{Bounds, Seed};
 use crate::streets::{CellStreets, Fillers};
 use crate::style::{ParcelRules, Style};
-use crate::terrain::{GroundTiles, Terrain};
+use crate::surface::FREEBOARD;
+use crate::terrain::{DrawnGround, GroundTiles, Terrain};
 use crate::town::{self, CellUse, Town};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -83,6 +84,11 @@ impl Stack {
     /// The vertices of the drawn ground.
     pub fn ground(&self) -> &GroundTiles {
         &self.ground
+    }
+
+    /// The heights that streets follow: the natural ground, and a little above the water where there is water.
+    pub fn road_bed(&self) -> DrawnGround<'_> {
+        self.ground.dry(FREEBOARD)
     }
 
     /// The settlements.

@@ -4,15 +4,18 @@ use crate::space::{cross, segment_crossing};
 use crate::surface::offset::{end_normals, mitre, sector_corners};
 use glam::DVec2;
 
-/// Distance from the corner of two kerbs at which their rounding begins, in metres.
-const ROUNDING: f64 = 3.0;
+/// Least width of a pavement around a rounded corner, as a share of its width along the streets.
+const CORNER_PAVEMENT: f64 = 0.7;
+
+/// Greatest distance from the corner of two kerbs at which their rounding begins, in metres.
+const LONGEST_TANGENT: f64 = 14.0;
 
 /// The edge of the land between two neighbouring arms of a junction: two lines that run counter-clockwise around the
 /// junction, from the end of the first arm's own surface to the end of the second arm's. Local metres.
 pub struct Corner {
     /// The edge of the carriageway, rounded.
     pub kerb: Vec<DVec2>,
-    /// The outer edge of the pavement, or the edge of the carriageway where there is no pavement.
+    /// The outer edge of the pavement or verge.
     pub side: Vec<DVec2>,
     /// Whether one of the two streets has a pavement.
     pub paved: bool,
@@ -24,6 +27,12 @@ pub(super) struct Edges {
     pub sides: [Vec<DVec2>; 2],
     /// Distance of the edges from the arm's line, in metres.
     pub half: f64,
+    /// Number of points of an edge among which its end is looked for first.
+    pub near: usize,
+    /// The arm's line outwards.
+    pub line: Vec<DVec2>,
+    /// For each point of the line, its distance from the junction along the line, in metres.
+    pub along: Vec<f64>,
 }
 
 /// Where the edges of two neighbouring arms end at the junction: the first arm's left edge and the second arm's right edge.
@@ -37,17 +46,39 @@ pub(super) struct Meeting {
 }
 
 /// Where the left edge of an arm in unit direction `da` and the right edge of the next arm counter-clockwise, in direction
-/// `db`, end around `at`. `alone` says that both are the same arm; a `kerb` is rounded.
-pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: bool, kerb: bool) -> Meeting {
+/// `db`, end around `at`. `alone` says that both are the same arm. The corner is rounded with a radius of `radius` metres.
+pub(super) fn meet(at: DVec2, edges: [&Edges; 2], directions: [DVec2; 2], alone: bool, radius: f64) -> Meeting {
+    let whole = edges[0].sides[0].len().max(edges[1].sides[1].len());
+    let near = edges[0].near.max(edges[1].near);
+    meet_within(at, edges, directions, alone, radius, near)
+        .or_else(|| meet_within(at, edges, directions, alone, radius, whole))
+        .unwrap_or_else(|| {
+            // The angle is so sharp that the streets do not part.
+            let [a, b] = edges;
+            let first = [a.sides[0].len(), b.sides[1].len()];
+            let [p, q] = [a.sides[0][first[0] - 1], b.sides[1][first[1] - 1]];
+            Meeting { path: vec![(p + q) / 2.0], first, reach: [f64::INFINITY; 2] }
+        })
+}
+
+/// The same among the first `limit` points of the edges; `None` if they do not part there.
+fn meet_within(
+    at: DVec2,
+    [a, b]: [&Edges; 2],
+    [da, db]: [DVec2; 2],
+    alone: bool,
+    radius: f64,
+    limit: usize,
+) -> Option<Meeting> {
     let (from, to) = (da.perp(), -db.perp());
     let open = alone || cross(da, db) < 0.0;
     let direct = |path: Vec<DVec2>| Meeting { path, first: [0; 2], reach: [0.0; 2] };
     let widest = a.half.max(b.half);
     let around = || direct(sector_corners(from, to, widest).map(|corner| at + corner).collect());
     if open && a.half == b.half {
-        return around();
+        return Some(around());
     }
-    let [mut left, mut right] = [Outline::new(at, a, da, 0), Outline::new(at, b, db, 1)];
+    let [mut left, mut right] = [Outline::new(at, a, da, 0, limit), Outline::new(at, b, db, 1, limit)];
     if open && a.half > b.half {
         left.extend(at, a, [da, to], 0, sector_corners(from, to, widest).rev());
     } else if open {
@@ -61,30 +92,49 @@ pub(super) fn meet(at: DVec2, [a, b]: [&Edges; 2], [da, db]: [DVec2; 2], alone: 
     };
     let Some(hit) = crossing else {
         if open {
-            return around();
+            return Some(around());
         }
-        if da.dot(db) < -0.5 {
-            return direct(Vec::new());
-        }
-        // The angle is so sharp that the streets part only farther out.
-        let [p, q] = [&left, &right].map(|o| o.points[o.points.len() - 1]);
-        let first = [a.sides[0].len(), b.sides[1].len()];
-        return Meeting { path: vec![(p + q) / 2.0], first, reach: [f64::INFINITY; 2] };
+        return (da.dot(db) < -0.5).then(|| direct(Vec::new()));
     };
-    let by = if kerb { ROUNDING } else { 0.0 };
-    let [(reach_a, pa), (reach_b, pb)] =
-        [left.beyond(hit.segments[0], hit.t[0], by), right.beyond(hit.segments[1], hit.t[1], by)];
-    let curve = |t: f64| pa.lerp(hit.at, t).lerp(hit.at.lerp(pb, t), t);
-    let mut path = left.end_beyond(hit.segments[0]).to_vec();
+    let tangent = match radius {
+        r if r > 0.0 && !open => {
+            let (d, e) = (left.direction(hit.segments[0]), right.direction(hit.segments[1]));
+            // The cotangent of half the angle between the edges.
+            (r * (1.0 + d.dot(e)) / cross(d, e).abs().max(1e-3)).min(LONGEST_TANGENT)
+        }
+        _ => 0.0,
+    };
+    let by = tangent.min(left.left_beyond(hit.segments[0], hit.t[0])).min(right.left_beyond(hit.segments[1], hit.t[1]));
+    let pa = left.beyond(hit.segments[0], hit.t[0], by, a);
+    let pb = right.beyond(hit.segments[1], hit.t[1], by, b);
+    let mut path = left.end_beyond(pa.segment).to_vec();
     path.reverse();
-    if kerb {
-        path.extend([pa, curve(0.25), curve(0.5), curve(0.75), pb]);
+    if by > 0.3 {
+        let curve = |t: f64| pa.at.lerp(hit.at, t).lerp(hit.at.lerp(pb.at, t), t);
+        let parts = if by < 5.0 { 4 } else { 6 };
+        path.extend((0..=parts).map(|k| curve(f64::from(k) / f64::from(parts))));
     } else {
         path.push(hit.at);
     }
-    path.extend(right.end_beyond(hit.segments[1]));
-    let first = [left.first_beyond(hit.segments[0]), right.first_beyond(hit.segments[1])];
-    Meeting { path, first, reach: [reach_a, reach_b] }
+    path.extend(right.end_beyond(pb.segment));
+    let first = [left.first_beyond(pa.segment), right.first_beyond(pb.segment)];
+    Some(Meeting { path, first, reach: [pa.reach, pb.reach] })
+}
+
+/// The greatest radius of the kerb around a corner that leaves enough of a pavement `width` metres wide. The streets leave the
+/// corner in the unit directions `d` and `e`.
+pub(super) fn widest_radius(width: f64, d: DVec2, e: DVec2) -> f64 {
+    // The sine of half the angle at the corner.
+    let sine = ((1.0 - d.dot(e)) / 2.0).max(1e-6).sqrt();
+    width * (1.0 / sine - CORNER_PAVEMENT) / (1.0 / sine - 1.0).max(1e-3)
+}
+
+/// A place on an outline.
+struct Place {
+    at: DVec2,
+    segment: usize,
+    /// Distance from the junction along the arm's line, in metres; 0 on the end of the arm.
+    reach: f64,
 }
 
 /// The outline of one side of an arm, outwards: around the end of the arm behind the junction, then along its edge.
@@ -95,15 +145,16 @@ struct Outline {
 }
 
 impl Outline {
-    /// The outline of the left (0) or right (1) side of an arm that leaves the junction at `at` in unit direction `d`.
-    fn new(at: DVec2, edges: &Edges, d: DVec2, side: usize) -> Self {
+    /// The outline of the left (0) or right (1) side of an arm that leaves the junction at `at` in unit direction `d`, up to point
+    /// `limit` of the edge.
+    fn new(at: DVec2, edges: &Edges, d: DVec2, side: usize, limit: usize) -> Self {
         let normals = end_normals(d);
         let [edge, slant, behind] = if side == 0 { [0, 1, 2] } else { [4, 3, 2] }.map(|i| normals[i]);
         let mut points = Vec::with_capacity(8 + edges.sides[side].len());
         points.push(at + behind * edges.half);
         points.push(at + mitre(behind, slant, edges.half));
         points.push(at + mitre(slant, edge, edges.half));
-        points.extend(&edges.sides[side]);
+        points.extend(edges.sides[side].iter().take(limit.max(2)));
         Self { points, end: 3 }
     }
 
@@ -141,18 +192,37 @@ impl Outline {
         }
     }
 
-    /// The point `by` metres outwards from `t` (0..=1) on a segment, or else near the segment's end, and its distance from the
-    /// junction along the edge, in metres. The distance is negative on the end of the arm.
-    fn beyond(&self, segment: usize, t: f64, by: f64) -> (f64, DVec2) {
-        let (a, b) = (self.points[segment], self.points[segment + 1]);
-        let along = (t + by / a.distance(b).max(1e-6)).min(t.max(0.95));
-        let length = |points: &[DVec2]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
-        let before = if segment < self.end {
-            -length(&self.points[segment..=self.end])
-        } else {
-            length(&self.points[self.end..=segment])
-        };
-        (before + a.distance(b) * along, a.lerp(b, along))
+    /// Unit direction of a segment, outwards.
+    fn direction(&self, segment: usize) -> DVec2 {
+        (self.points[segment + 1] - self.points[segment]).normalize_or_zero()
+    }
+
+    /// Length of the outline outwards of `t` (0..=1) on a segment, less a little, in metres.
+    fn left_beyond(&self, segment: usize, t: f64) -> f64 {
+        let rest: f64 = self.points[segment + 1..].windows(2).map(|w| w[0].distance(w[1])).sum();
+        (rest + self.points[segment].distance(self.points[segment + 1]) * (1.0 - t) - 0.1).max(0.0)
+    }
+
+    /// The place `by` metres outwards from `t` (0..=1) on a segment. The outline goes on at least as far.
+    fn beyond(&self, mut segment: usize, mut t: f64, mut by: f64, edges: &Edges) -> Place {
+        loop {
+            let (a, b) = (self.points[segment], self.points[segment + 1]);
+            let length = a.distance(b).max(1e-6);
+            if by <= length * (1.0 - t) || segment + 2 == self.points.len() {
+                t = (t + by / length).min(1.0);
+                let at = a.lerp(b, t);
+                let reach = match segment.checked_sub(self.end) {
+                    Some(k) => {
+                        let direction = (edges.line[k + 1] - edges.line[k]).normalize_or_zero();
+                        edges.along[k] + (at - edges.line[k]).dot(direction)
+                    }
+                    None => 0.0,
+                };
+                return Place { at, segment, reach };
+            }
+            by -= length * (1.0 - t);
+            (segment, t) = (segment + 1, 0.0);
+        }
     }
 
     /// The points around the end that lie outwards of a segment.

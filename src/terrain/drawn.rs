@@ -25,12 +25,22 @@ impl<'a> DrawnGround<'a> {
         Self { vertex: Box::new(vertex) }
     }
 
+    /// The drawn ground of a terrain, raised to `freeboard` metres above the water where it lies lower.
+    pub fn dry(terrain: &'a dyn Terrain, freeboard: f64) -> Self {
+        let mut scan = terrain.scan_ground();
+        Self { vertex: Box::new(move |at| dry_height(scan(at.as_dvec2() * GROUND_STEP), freeboard)) }
+    }
+
     /// Height at a plan point, in metres.
     pub fn height(&mut self, p: DVec2) -> f64 {
         let square = (p / GROUND_STEP).floor();
         let corners = [I64Vec2::ZERO, I64Vec2::X, I64Vec2::Y, I64Vec2::ONE];
         height_in_square(corners.map(|corner| (self.vertex)(square.as_i64vec2() + corner)), p / GROUND_STEP - square)
     }
+}
+
+fn dry_height(sample: TerrainSample, freeboard: f64) -> f64 {
+    sample.height.max(sample.water_level + freeboard)
 }
 
 /// Height in a square of the grid at `f` (0 to 1 each way) from its corners SW, SE, NW, NE.
@@ -83,6 +93,12 @@ impl GroundTiles {
     pub fn drawn(&self) -> DrawnGround<'_> {
         let mut sample = self.vertices();
         DrawnGround { vertex: Box::new(move |at| sample(at).height) }
+    }
+
+    /// Heights of the drawn ground, raised to `freeboard` metres above the water where it lies lower.
+    pub fn dry(&self, freeboard: f64) -> DrawnGround<'_> {
+        let mut sample = self.vertices();
+        DrawnGround { vertex: Box::new(move |at| dry_height(sample(at), freeboard)) }
     }
 
     fn tile(&self, key: (i64, i64)) -> Arc<Tile> {

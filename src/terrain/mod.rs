@@ -19,7 +19,7 @@
 //! }
 //!
 //! let world = World::new(WorldSource { terrain: TerrainSource::own(Coast), ..WorldSource::new(Seed(7)) })?;
-//! assert!(world.height_at(DVec2::new(0.0, 20_000.0)) > world.height_at(DVec2::ZERO));
+//! assert!(world.natural_height(DVec2::new(0.0, 20_000.0)) > world.natural_height(DVec2::ZERO));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -14,6 +14,7 @@ use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::{Roads, Settlement, Settlements};
 use crate::space::{Bounds, ChunkCoord, Origin, Seed, closest_on_line};
 use crate::stack::{AtOrigin, Overlap, PlacedStreet, SeamedTown, Stack, StackParts};
+use crate::surface::{SurfaceKind, SurfacePoint};
 use crate::terrain::{DrawnGround, Terrain};
 use glam::DVec2;
 use std::sync::Arc;
@@ -187,9 +188,22 @@ impl World {
         Area::gather(&self.inner.stack, bounds, self.inner.source.settings.chunk_size, cancel)
     }
 
-    /// Height of the drawn ground at a plan point, in metres.
-    pub fn height_at(&self, p: DVec2) -> f64 {
+    /// Height of the natural ground at a plan point, in metres, before streets cut and fill it. Answers in microseconds.
+    pub fn natural_height(&self, p: DVec2) -> f64 {
         DrawnGround::new(&**self.terrain()).height(p)
+    }
+
+    /// The ground or the street at a plan point, not counting decks of bridges: what the chunk there draws. Makes the chunk if it
+    /// is not known yet.
+    pub fn surface_at(&self, p: DVec2, cancel: &Cancel) -> Result<SurfacePoint, LayerError> {
+        let chunk = self.chunk(ChunkCoord::containing(p, self.settings().chunk_size), cancel)?;
+        let point = chunk.surface_at(chunk.origin.to_local(p));
+        Ok(point.unwrap_or_else(|| SurfacePoint { height: self.natural_height(p), kind: SurfaceKind::Ground }))
+    }
+
+    /// Height of the ground or the street at a plan point, in metres, as [`surface_at`](Self::surface_at) gives it.
+    pub fn height_at(&self, p: DVec2, cancel: &Cancel) -> Result<f64, LayerError> {
+        Ok(self.surface_at(p, cancel)?.height)
     }
 
     /// The street with an id, if it overlaps a box (plan metres). An id does not tell where the street lies.

@@ -4,6 +4,7 @@ mod inputs;
 mod lanes;
 mod random;
 mod rivers;
+mod surface;
 mod towns;
 
 use bevy_sprawl::analysis::ChunkBorderCounts;
@@ -138,7 +139,7 @@ fn a_world_stands_on_the_ground_that_a_game_brings() {
     let chunk = w.chunk(built_up(&w, DVec2::ZERO), &Cancel::new()).unwrap();
     assert!(!chunk.streets.is_empty() && !chunk.footprints.is_empty());
     assert!(chunk.ground.samples.iter().all(|s| s.height == 20.0 && s.depth() == 0.0 && s.vegetation == 0.25));
-    assert_eq!(w.height_at(DVec2::new(1e7, -3.0)), 20.0);
+    assert_eq!(w.natural_height(DVec2::new(1e7, -3.0)), 20.0);
     let links = w.roads().links(Bounds::square(DVec2::ZERO, 12_000.0), &Cancel::new()).unwrap();
     assert!(!links.is_empty() && links.iter().all(|l| l.bridges + l.tunnels == 0), "no water, no hills: {links:?}");
 }
@@ -403,10 +404,10 @@ fn one_stands_on_bridges_and_under_them() {
         let coord = ChunkCoord::containing(middle, world.settings().chunk_size);
         let chunk = world.chunk(coord, &Cancel::new()).unwrap();
         let local = chunk.origin.to_local(middle);
-        let (deck, bed) = (chunk.surface(local, f64::INFINITY).unwrap(), chunk.ground.height(local).unwrap());
+        let (deck, bed) = (chunk.surface(local, f64::INFINITY).unwrap(), chunk.surface_at(local).unwrap().height);
         assert!(deck > bed && deck > world.terrain().sample(middle).water_level, "{middle}: {deck} {bed}");
         assert_eq!(chunk.surface(local, bed), Some(bed));
-        assert!((bed - world.height_at(middle)).abs() < 1e-9);
+        assert_eq!(bed, world.height_at(middle, &Cancel::new()).unwrap());
         stood += 1;
     }
     assert!(stood > 3, "{stood}");
@@ -421,15 +422,18 @@ fn buildings_know_their_heights_and_chunks_only_their_own_ground() {
         assert_eq!((chunk.ground.height(outside), chunk.surface(outside, 1e9)), (None, None), "{outside}");
     }
     for inside in [DVec2::ZERO, DVec2::splat(edge), DVec2::new(3.7, edge), DVec2::new(200.25, 17.5)] {
-        let height = world.height_at(chunk.origin.to_plan(inside));
+        let height = world.natural_height(chunk.origin.to_plan(inside));
         assert!((chunk.ground.height(inside).unwrap() - height).abs() < 1e-9, "{inside}");
     }
     let mut stepped = 0;
     for building in &chunk.footprints {
-        let grounds = building.polygon.iter().map(|p| world.height_at(chunk.origin.to_plan(*p)));
+        let ground = |p: &DVec2| world.height_at(chunk.origin.to_plan(*p), &Cancel::new()).unwrap();
+        let grounds = building.polygon.iter().map(ground);
         let (low, high) = grounds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
-        assert!((low..=high).contains(&building.base) && building.base <= low + 2.0);
-        assert!(building.base == high || high > low + 2.0);
+        // Triangles of the ground are as wide as 8 m, so that corners between them lie a little off.
+        let near = 0.4;
+        assert!(building.base > low - near && building.base < high + near && building.base <= low + 2.0 + near);
+        assert!((building.base - high).abs() < near || high > low + 2.0 - near);
         let walls = f64::from(building.storeys) * STOREY_HEIGHT;
         assert!((walls..walls + 1.0).contains(&building.height));
         stepped += usize::from(high > low + 0.1);

@@ -32,6 +32,7 @@ pub(super) struct BuildOrder {
     pub detail: Detail,
     pub with_meshes: bool,
     pub keep_meshes: bool,
+    pub texture_coordinates: bool,
     pub cancel: Cancel,
 }
 
@@ -48,7 +49,8 @@ impl BuildOrder {
         let mut parts = Vec::new();
         if self.with_meshes {
             self.cancel.check()?;
-            parts = part_meshes(self.generator.mesh(&chunk, self.detail, &self.cancel)?, self.keep_meshes);
+            let mesh = self.generator.mesh(&chunk, self.detail, &self.cancel)?;
+            parts = part_meshes(mesh, self.keep_meshes, self.texture_coordinates);
         }
         Ok(FinishedChunk { chunk, detail: self.detail, outlines, parts, seconds: start.elapsed().as_secs_f64() })
     }

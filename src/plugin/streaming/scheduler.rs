@@ -102,6 +102,7 @@ fn start_tasks(index: &mut ChunkIndex, scheduler: &Scheduler, settings: &StreamS
             detail: entry.want,
             with_meshes,
             keep_meshes: settings.keep_meshes,
+            texture_coordinates: settings.texture_coordinates,
             cancel: Cancel::new(),
         };
         let cancel = order.cancel.clone();

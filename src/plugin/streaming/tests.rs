@@ -76,8 +76,8 @@ impl ChunkGenerator for Fake {
         let s = chunk.size as f32;
         let ground = MeshBuffers {
             positions: vec![[0.0, 0.0, 0.0], [s, 0.0, 0.0], [0.0, 0.0, -s]],
-            normals: vec![[0.0, 1.0, 0.0]; 3],
-            colours: vec![[1.0; 4]; 3],
+            normals: vec![[0, 127, 0, 0]; 3],
+            colours: vec![[u16::MAX; 4]; 3],
             indices: vec![0, 1, 2],
         };
         let mut mesh = ChunkMesh::default();
