@@ -2,7 +2,8 @@
 //!
 //! | what | made by | depends on |
 //! |---|---|---|
-//! | widths, lanes, grades | [`CrossSection`] | the class of a street |
+//! | widths and grades | [`CrossSection`] | the class of a street |
+//! | lanes and turns | [`lanes_of`], [`turns_at`] | a street; the streets that meet at a junction |
 //! | heights along a street | [`Profile`], [`Deck`] | the street and the ground under it |
 //! | shape of a junction | [`JunctionShape`] | the streets that meet there |
 //! | shapes of streets and junctions, with paint | [`shapes`] | the same, and the junctions at both ends |

@@ -1,7 +1,8 @@
 //! Markings on carriageways: centre, lane and edge lines, stop lines and crossings, as rectangles along and across a street.
 
-use crate::network::{Street, StreetClass};
+use crate::network::{Side, Street, StreetClass, Traffic};
 use crate::surface::finish::Finish;
+use crate::surface::lane::LaneRules;
 use crate::surface::section::CrossSection;
 use crate::surface::strip::StreetEnd;
 
@@ -42,6 +43,7 @@ pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2])
     let (class, section) = (street.class, CrossSection::of(street.class));
     let cuts = [0, 1].map(|end| ends[end].as_ref().map_or(0.0, |e| e.cut.along));
     let roomy = length - cuts[0] - cuts[1] >= LEAST_ROOM;
+    let both_ways = street.traffic(Side::Right) == Traffic::Both;
     let mut out = Vec::new();
     // Where lines begin and end.
     let mut free = [cuts[0] + 1.0, length - cuts[1] - 1.0];
@@ -67,7 +69,7 @@ pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2])
             }
         }
         // Who comes from a lesser street stops.
-        let stops = !class.is_one_way() && (crossed || at.greatest < class);
+        let stops = both_ways && (crossed || at.greatest < class);
         let stop = STOP[usize::from(!crossed)];
         if stops {
             let right = section.carriageway - 0.1;
@@ -94,25 +96,21 @@ pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2])
             }
         }
     };
-    let edge = section.carriageway - INSET;
-    match class {
-        StreetClass::Local => {}
-        StreetClass::Main => line(0.0, Some(DASH)),
-        StreetClass::Minor => line(0.0, Some(COUNTRY_DASH)),
-        StreetClass::Ramp => [-edge, edge].into_iter().for_each(|middle| line(middle, None)),
-        StreetClass::Major => {
-            line(0.0, Some(COUNTRY_DASH));
-            [-edge, edge].into_iter().for_each(|middle| line(middle, None));
-        }
-        StreetClass::Arterial | StreetClass::Highway => {
+    let (edge, lanes) = (section.carriageway - INSET, LaneRules::of(class));
+    let dash = if section.paved { DASH } else { COUNTRY_DASH };
+    match lanes.each_way {
+        _ if class == StreetClass::Local || !both_ways => {}
+        1 => line(0.0, Some(dash)),
+        each_way => {
             [-INSET, INSET].into_iter().for_each(|middle| line(middle, None));
-            let lane = section.carriageway / 2.0;
-            let dash = if section.paved { DASH } else { COUNTRY_DASH };
-            [-lane, lane].into_iter().for_each(|middle| line(middle, Some(dash)));
-            if !section.paved {
-                [-edge, edge].into_iter().for_each(|middle| line(middle, None));
+            for lane in 1..each_way {
+                let off = lanes.median / 2.0 + lane as f64 * lanes.width;
+                [-off, off].into_iter().for_each(|middle| line(middle, Some(dash)));
             }
         }
+    }
+    if matches!(class, StreetClass::Highway | StreetClass::Major | StreetClass::Ramp) {
+        [-edge, edge].into_iter().for_each(|middle| line(middle, None));
     }
     out
 }

@@ -1,4 +1,4 @@
-//! Cross-sections of streets by class: widths, lanes, greatest grade and crests.
+//! Cross-sections of streets by class: widths, corners, greatest grade and crests.
 
 use crate::network::StreetClass;
 
@@ -17,8 +17,6 @@ pub struct CrossSection {
     pub outer: f64,
     /// Whether the sides are pavements behind kerbs rather than verges.
     pub paved: bool,
-    /// Number of lanes, both directions together.
-    pub lanes: u32,
     /// Radius of the kerb at the corner of a junction, in metres.
     pub corner_radius: f64,
     /// Greatest grade, rise over run.
@@ -31,16 +29,16 @@ impl CrossSection {
     /// The cross-section of a class.
     pub fn of(class: StreetClass) -> Self {
         let paved = class.pavement() > 0.0;
-        let (lanes, corner_radius, grade, rounding) = match class {
-            StreetClass::Highway => (4, 9.0, 0.05, 30.0),
-            StreetClass::Major => (2, 8.0, 0.06, 20.0),
-            StreetClass::Minor => (2, 6.0, 0.08, 12.0),
-            StreetClass::Ramp => (1, 6.0, 0.07, 12.0),
-            StreetClass::Arterial => (4, 6.0, 0.07, 12.0),
-            StreetClass::Main => (2, 5.0, 0.09, 10.0),
-            StreetClass::Local => (2, 3.5, 0.13, 6.0),
+        let (corner_radius, grade, rounding) = match class {
+            StreetClass::Highway => (9.0, 0.05, 30.0),
+            StreetClass::Major => (8.0, 0.06, 20.0),
+            StreetClass::Minor => (6.0, 0.08, 12.0),
+            StreetClass::Ramp => (6.0, 0.07, 12.0),
+            StreetClass::Arterial => (6.0, 0.07, 12.0),
+            StreetClass::Main => (5.0, 0.09, 10.0),
+            StreetClass::Local => (3.5, 0.13, 6.0),
         };
         let carriageway = class.carriageway() / 2.0 - if paved { 0.0 } else { VERGE };
-        Self { carriageway, outer: class.half_width(), paved, lanes, corner_radius, grade, rounding }
+        Self { carriageway, outer: class.half_width(), paved, corner_radius, grade, rounding }
     }
 }
