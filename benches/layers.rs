@@ -3,17 +3,18 @@
 mod clock;
 
 use bevy_sprawl::chunk::Ground;
-use bevy_sprawl::layer::Cancel;
+use bevy_sprawl::layer::{Cancel, Reach};
 use bevy_sprawl::mesh::{self, Detail};
 use bevy_sprawl::network::SizeClass;
 use bevy_sprawl::network::Street;
 use bevy_sprawl::region::Settlement;
 use bevy_sprawl::space::{Bounds, ChunkCoord, Seed};
-use bevy_sprawl::surface::cover;
+use bevy_sprawl::surface::{Earthworks, Graded, Profile, SURFACE_REACH, Tin, cover, shapes};
 use bevy_sprawl::world::{World, WorldAssets, WorldSource};
 use bevy_sprawl::{seam, town};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::DVec2;
+use spade::{DelaunayTriangulation, Point2, Triangulation};
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -148,6 +149,7 @@ fn layers(c: &mut Criterion) {
         )
     });
     c.bench_function("chunk/ground", |b| b.iter(|| Ground::new(&**world.terrain(), coord.origin(size), size)));
+    surfaces(c, &world, coord);
     c.bench_function("chunk/dense, town planned", |b| {
         b.iter_batched(
             || world.forget_chunks(),
@@ -164,6 +166,42 @@ fn layers(c: &mut Criterion) {
             b.iter(|| mesh::build(&chunk, &**world.terrain(), detail, &never).expect("never cancelled"))
         });
     }
+}
+
+/// Each step of a chunk's ground and streets, and the floor: triangulating as many points once.
+fn surfaces(c: &mut Criterion, world: &World, coord: ChunkCoord) {
+    let never = Cancel::new();
+    let size = world.settings().chunk_size;
+    let (origin, bounds) = (coord.origin(size), coord.bounds(size));
+    let square = Bounds::new(DVec2::ZERO, DVec2::splat(size as f64));
+    let reach = Reach::new("bench", bounds, SURFACE_REACH);
+    let overlap = world.stack().overlapping(bounds.grown(SURFACE_REACH), &reach, &never).expect("never cancelled");
+    let streets: Vec<Street> =
+        overlap.streets.iter().map(|s| s.item.street.moved(s.origin.offset_to(origin))).collect();
+    let mut bed = world.stack().road_bed();
+    let mut grade = || -> Vec<Graded> {
+        let graded = |s: &Street| Graded { street: s.clone(), profile: Profile::new(s, origin, |p| bed.height(p)) };
+        streets.iter().map(graded).collect()
+    };
+    let graded = grade();
+    let elements = shapes(&graded, square);
+    let chunk = world.chunk(coord, &never).expect("never cancelled");
+    let tin = || {
+        let works = Earthworks::new(graded.iter().map(|g| (&g.street, &g.profile)), square);
+        Tin::new(&elements, size, |column, row| {
+            works.height(DVec2::new(column as f64, row as f64) * 8.0, chunk.ground.vertex(column, row).height)
+        })
+    };
+    let made = tin();
+    let (points, triangles) = (made.points.len(), made.triangles.len());
+    println!("surface of a dense chunk: {} streets, {points} points, {triangles} triangles", streets.len());
+    c.bench_function("surface/profiles of a dense chunk", |b| b.iter(|| grade().len()));
+    c.bench_function("surface/shapes of a dense chunk", |b| b.iter(|| shapes(&graded, square).len()));
+    c.bench_function("surface/ground and streets of a dense chunk", |b| b.iter(|| tin().triangles.len()));
+    c.bench_function("surface/floor: its points triangulated once", |b| {
+        let points: Vec<Point2<f64>> = made.points.iter().map(|p| Point2::new(p.x, p.y)).collect();
+        b.iter(|| DelaunayTriangulation::<Point2<f64>>::bulk_load(points.clone()).map(|t| t.num_vertices()))
+    });
 }
 
 criterion_group! {

@@ -95,7 +95,8 @@ fn draw(
         };
         let at = |p: DVec2| {
             // Streets leave the chunk's square. Outside, the height at its edge is near enough, and costs no sample.
-            let height = chunk.ground.height(p.clamp(DVec2::ZERO, DVec2::splat(chunk.size as f64))).unwrap_or(0.0);
+            let inside = p.clamp(DVec2::ZERO, DVec2::splat(chunk.size as f64));
+            let height = chunk.surface(inside, f64::INFINITY).unwrap_or(0.0);
             transform.translation + Vec3::new(p.x as f32, (height + LIFT) as f32, -p.y as f32)
         };
         if let Some(colour) = colours.chunk_borders {

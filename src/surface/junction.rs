@@ -1,6 +1,6 @@
 //! The surface of a junction and of the ends of its streets.
 
-use crate::network::{Junction, JunctionId, Street};
+use crate::network::{Junction, JunctionId, Street, StreetClass};
 use crate::space::{closest_on_segment, cut_line, math::angle_of, quantize};
 use crate::surface::corner::{Corner, Edges, Meeting, meet, widest_radius};
 use crate::surface::cover::cover_at;
@@ -60,6 +60,17 @@ pub struct Cut {
     pub along: f64,
     /// Seen from the junction: the outer edge and the edge of the carriageway on the right, then both on the left.
     pub points: [DVec2; 4],
+}
+
+/// The end of a street at a junction.
+#[derive(Clone, Debug)]
+pub(super) struct StreetEnd {
+    /// Where the street's own surface begins, seen from the junction.
+    pub cut: Cut,
+    /// Number of streets at the junction.
+    pub streets: usize,
+    /// The most important class among them.
+    pub greatest: StreetClass,
 }
 
 impl<'a> JunctionShape<'a> {

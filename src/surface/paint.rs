@@ -2,9 +2,9 @@
 
 use crate::network::{Side, Street, StreetClass, Traffic};
 use crate::surface::finish::Finish;
+use crate::surface::junction::StreetEnd;
 use crate::surface::lane::LaneRules;
 use crate::surface::section::CrossSection;
-use crate::surface::strip::StreetEnd;
 
 /// A painted rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

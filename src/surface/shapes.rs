@@ -4,9 +4,9 @@ use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
 use crate::space::Bounds;
 use crate::surface::earthworks::BANK_REACH;
 use crate::surface::element::Element;
-use crate::surface::junction::{FARTHEST_REACH, JunctionShape, has_surface};
+use crate::surface::junction::{FARTHEST_REACH, JunctionShape, StreetEnd, has_surface};
 use crate::surface::profile::Profile;
-use crate::surface::strip::{LONGEST_STRETCH, StreetEnd, strip};
+use crate::surface::strip::{LONGEST_STRETCH, strip};
 use std::collections::BTreeMap;
 
 /// Distance from a square within which streets and junctions change something in it, in metres: the part of a street that belongs

@@ -1,10 +1,10 @@
 //! The surface of a street between its junctions.
 
-use crate::network::{Street, StreetClass};
+use crate::network::Street;
 use crate::space::{Bounds, left_normal, quantize};
 use crate::surface::element::Element;
 use crate::surface::finish::Finish;
-use crate::surface::junction::Cut;
+use crate::surface::junction::{Cut, StreetEnd};
 use crate::surface::paint::{Mark, marks};
 use crate::surface::profile::Profile;
 use crate::surface::section::CrossSection;
@@ -21,17 +21,6 @@ const APART: f64 = 1.5;
 
 /// Two places along a street count as one below this distance, in metres.
 const SAME: f64 = 0.05;
-
-/// The end of a street at a junction.
-#[derive(Clone, Debug)]
-pub struct StreetEnd {
-    /// Where the street's own surface begins, seen from the junction.
-    pub cut: Cut,
-    /// Number of streets at the junction.
-    pub streets: usize,
-    /// The most important class among them.
-    pub greatest: StreetClass,
-}
 
 /// A place along a street at which its surface has a cross-section.
 struct Section {

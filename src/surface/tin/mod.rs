@@ -14,7 +14,7 @@ mod pairs;
 mod sheet;
 
 use self::ground::{Around, around};
-use self::locate::Index;
+use self::locate::{Index, Net};
 use self::outline::separate;
 use self::pairs::each_edge;
 use self::sheet::Sheet;
@@ -103,8 +103,9 @@ impl Tin {
         if !(p.cmpge(DVec2::ZERO) & p.cmple(edge)).all() {
             return None;
         }
-        let index = self.index.get_or_init(|| Index::new(self));
-        let (triangle, weights) = index.find(self, p)?;
+        let net = Net { points: &self.points, triangles: &self.triangles };
+        let index = self.index.get_or_init(|| Index::new(self.size, net));
+        let (triangle, weights) = index.find(net, p)?;
         let (corners, finish) = self.triangles[triangle as usize];
         let height = (0..3).map(|i| self.height_of(corners[i], finish) * weights[i]).sum();
         Some(SurfacePoint { height, kind: finish.kind() })
