@@ -11,6 +11,7 @@ use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
 use crate::space::{
     Bounds, centroid,
     math::{angle_of, rotate},
+    quantum_key, stable_hash,
 };
 use glam::DVec2;
 use std::cmp::Ordering;
@@ -38,8 +39,9 @@ struct Start {
     edge: EdgeIx,
 }
 
-/// Divides blocks that are much larger than the style asks; returns how many streets were added.
-pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
+/// Divides blocks that are much larger than the style asks; returns how many streets were added. `undivided` holds the blocks
+/// that no street can cross, as hashes of their corners: what it holds is not tried again, and what cannot be divided is added.
+pub fn divide_blocks(draft: &mut Draft<'_>, undivided: &mut BTreeSet<u64>) -> usize {
     let most = draft.rules.large_block;
     let mut added = 0;
     let blocks = blocks(draft);
@@ -49,8 +51,18 @@ pub fn divide_blocks(draft: &mut Draft<'_>) -> usize {
         sides[e as usize] = sides[e as usize].saturating_add(1);
     }
     for (face, edges) in blocks {
-        if face.area() > most && divide(draft, &face, &edges, &sides) {
+        if face.area() <= most {
+            continue;
+        }
+        let corners: Vec<u64> = face.polygon.iter().flat_map(|p| quantum_key(*p)).collect();
+        let block = stable_hash(&corners);
+        if undivided.contains(&block) {
+            continue;
+        }
+        if divide(draft, &face, &edges, &sides) {
             added += 1;
+        } else {
+            undivided.insert(block);
         }
     }
     added

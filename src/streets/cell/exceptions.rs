@@ -10,7 +10,6 @@ use crate::seam::APPROACH_LENGTH;
 use crate::space::{Bounds, distance_to_segment, line_length, math, segment_distance, segments};
 use crate::streets::filler::{Cause, Exception, Rule};
 use glam::DVec2;
-use pathfinding::directed::dijkstra::dijkstra_reach;
 use std::collections::BTreeMap;
 
 /// Angle in radians, length and distance in metres by which a street may miss a rule: more than positions lose when they are
@@ -276,7 +275,7 @@ impl Inspection<'_, '_> {
         let most = longest_way(distance);
         let reached = self.reached(i, x, most);
         let ends = self.streets[k].ends.into_iter().zip(self.to_ends(k, y));
-        ends.into_iter().all(|(v, d)| reached.get(&v).is_none_or(|way| way + d > most))
+        ends.into_iter().all(|(v, d)| reached.iter().all(|(at, way)| *at != v || way + d > most))
     }
 
     /// Ways from a point of a street to its ends.
@@ -293,18 +292,22 @@ impl Inspection<'_, '_> {
         [best.1, before - best.1]
     }
 
-    /// The ends of streets that a way of at most `most` metres leads to, with their ways.
-    fn reached(&self, street: usize, p: DVec2, most: f64) -> BTreeMap<VertexIx, f64> {
-        // Costs are whole millimetres, so that they can be ordered.
-        let cost = |metres: f64| (metres * 1000.0).round() as u64;
-        let begin = self.streets[street].ends.into_iter().zip(self.to_ends(street, p));
-        let begin: Vec<_> = begin.map(|(v, d)| (Some(v), cost(d))).collect();
-        let onwards = |place: &Option<VertexIx>| match place {
-            None => begin.clone(),
-            Some(v) => self.ways.get(v).into_iter().flatten().map(|(to, d)| (Some(*to), cost(*d))).collect(),
-        };
-        let reached = dijkstra_reach(&None, onwards).take_while(|at| at.total_cost <= cost(most));
-        reached.filter_map(|at| Some((at.node?, at.total_cost as f64 / 1000.0))).collect()
+    /// The ends of streets that a way of at most `most` metres leads to, with the shortest ways.
+    fn reached(&self, street: usize, p: DVec2, most: f64) -> Vec<(VertexIx, f64)> {
+        let mut reached: Vec<(VertexIx, f64)> = Vec::new();
+        let mut open: Vec<(VertexIx, f64)> =
+            self.streets[street].ends.into_iter().zip(self.to_ends(street, p)).collect();
+        // Few ends are so near that an order of search would pay.
+        while let Some((v, way)) = open.pop() {
+            match reached.iter_mut().find(|at| at.0 == v) {
+                Some(at) if at.1 <= way => continue,
+                Some(at) => at.1 = way,
+                None if way > most => continue,
+                None => reached.push((v, way)),
+            }
+            open.extend(self.ways.get(&v).into_iter().flatten().map(|(to, d)| (*to, way + d)));
+        }
+        reached
     }
 }
 

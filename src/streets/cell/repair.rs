@@ -12,6 +12,7 @@ use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::{angle_of, rotate};
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// Number of connections that are checked exactly for one dead end.
 const TRIES: usize = 10;
@@ -32,11 +33,12 @@ const CUL_DE_SAC_GAP: f64 = 22.0;
 /// are connected to a port.
 pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> Result<(), LayerError> {
     connect_floating(draft, anchors);
+    let mut undivided = BTreeSet::new();
     for round in 0..2 {
         connect_dead_ends(draft);
         remove_stumps(draft);
         cancel.check()?;
-        if divide_blocks(draft) == 0 && round == 0 {
+        if divide_blocks(draft, &mut undivided) == 0 && round == 0 {
             break;
         }
     }
