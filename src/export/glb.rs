@@ -11,13 +11,13 @@ use gltf::mesh::Semantic;
 use gltf::validation::{Checked, USize64};
 use gltf_json as gltf;
 
-/// The meshes of a chunk with their position.
+/// The meshes of a chunk, or of a tile of the horizon, with their position.
 pub struct PlacedMesh {
-    /// Name of the chunk.
-    pub coord: ChunkCoord,
-    /// South-west corner of the chunk, which positions of the meshes are local to.
+    /// Name in the file.
+    pub name: String,
+    /// South-west corner of the chunk or tile, which positions of the meshes are local to.
     pub origin: Origin,
-    /// Meshes of the chunk.
+    /// The meshes.
     pub mesh: ChunkMesh,
 }
 
@@ -40,7 +40,7 @@ pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportErro
         if primitives.is_empty() {
             continue;
         }
-        let name = Some(format!("chunk {}", chunk.coord));
+        let name = Some(chunk.name.clone());
         let mesh =
             gltf::Mesh { extensions: None, extras: Default::default(), name: name.clone(), primitives, weights: None };
         let mesh = file.root.push(mesh);
@@ -213,7 +213,7 @@ mod tests {
         };
         let chunk = |x, mesh| {
             let coord = ChunkCoord::new(x, -1);
-            PlacedMesh { coord, origin: coord.origin(512), mesh }
+            PlacedMesh { name: coord.to_string(), origin: coord.origin(512), mesh }
         };
         let chunks =
             [chunk(1, mesh(square(2.0))), chunk(2, mesh(MeshBuffers::default())), chunk(3, ChunkMesh::default())];
@@ -232,7 +232,7 @@ mod tests {
         mesh[ChunkPart::Ground] = square(0.0);
         mesh[ChunkPart::Ground].indices[0] = 4;
         let coord = ChunkCoord::new(0, 0);
-        let chunk = PlacedMesh { coord, origin: coord.origin(512), mesh };
+        let chunk = PlacedMesh { name: coord.to_string(), origin: coord.origin(512), mesh };
         assert!(write(&[chunk], DVec2::ZERO).is_err());
     }
 }

@@ -18,7 +18,7 @@ const FAR_FOOT: f64 = 4.0;
 const FAR_ROOF: f64 = 1.2;
 
 /// Colours of plaster, brick and stone.
-const WALLS: [Rgb; 10] = [
+pub(super) const WALLS: [Rgb; 10] = [
     [0.640, 0.560, 0.430],
     [0.700, 0.660, 0.580],
     [0.560, 0.420, 0.270],
@@ -32,7 +32,7 @@ const WALLS: [Rgb; 10] = [
 ];
 
 /// Colours of tiles and slate.
-const ROOFS: [Rgb; 6] = [
+pub(super) const ROOFS: [Rgb; 6] = [
     [0.330, 0.095, 0.050],
     [0.250, 0.085, 0.055],
     [0.095, 0.095, 0.105],

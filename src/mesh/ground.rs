@@ -14,16 +14,16 @@ const ROCK: Rgb = [0.205, 0.185, 0.160];
 const SNOW: Rgb = [0.800, 0.820, 0.850];
 const SAND: Rgb = [0.480, 0.395, 0.240];
 const BED: Rgb = [0.085, 0.090, 0.070];
-const WATER: Rgb = [0.020, 0.105, 0.165];
+pub(super) const WATER: Rgb = [0.020, 0.105, 0.165];
 
 /// Opacity of water.
-const WATER_ALPHA: f32 = 0.72;
+pub(super) const WATER_ALPHA: f32 = 0.72;
 
 /// Edge of a square of water, in squares of the ground.
 const COARSE: usize = 4;
 
 /// Colour of the ground by water, slope, vegetation and height, each passing smoothly into the next.
-fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
+pub(super) fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
     let step = |low: f64, high: f64, x: f64| crate::space::math::smoothstep(low, high, x) as f32;
     let above = sample.height - sample.water_level;
     let green =

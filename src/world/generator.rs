@@ -9,7 +9,7 @@ use super::source::WorldSource;
 use crate::chunk::{self, Chunk};
 use crate::edits::{Edits, RejectedEdit};
 use crate::layer::{Cancel, LayerCache, LayerError, Reach};
-use crate::mesh::{self, ChunkMesh, Detail};
+use crate::mesh::{self, ChunkMesh, Detail, HorizonTile, HorizonTown};
 use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::{Roads, Settlement, Settlements};
 use crate::space::{Bounds, ChunkCoord, Origin, Seed, closest_on_line};
@@ -181,6 +181,19 @@ impl World {
     /// The vertex buffers of a chunk at a level of detail.
     pub fn mesh(&self, coord: ChunkCoord, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
         mesh::build(&*self.chunk(coord, cancel)?, &**self.terrain(), detail, cancel)
+    }
+
+    /// The vertex buffers of a tile of the land beyond the chunks, from the tile's south-west corner.
+    pub fn horizon(&self, tile: HorizonTile, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
+        let chunk_size = self.settings().chunk_size;
+        let settlements = self.settlements().overlapping(tile.bounds(chunk_size))?;
+        let outlines: Vec<_> = settlements.iter().map(|s| self.settlements().outline(s)).collect::<Result<_, _>>()?;
+        let towns = settlements.iter().zip(&outlines).filter_map(|(settlement, outline)| {
+            let parcels = &self.assets().styles.get(&settlement.style)?.parcels;
+            Some(HorizonTown { settlement, outline, parcels })
+        });
+        let towns: Vec<HorizonTown<'_>> = towns.collect();
+        mesh::horizon(tile, chunk_size, &**self.terrain(), &towns, cancel)
     }
 
     /// Everything that overlaps a box (plan metres). Streets are whole and have the junctions at both ends.

@@ -11,7 +11,7 @@ use bevy_sprawl::export::glb::PlacedMesh;
 use bevy_sprawl::export::svg::{Colouring, MapStyle};
 use bevy_sprawl::export::{self, Plan, geojson, glb, osm};
 use bevy_sprawl::layer::Cancel;
-use bevy_sprawl::mesh::{self, Detail};
+use bevy_sprawl::mesh::{self, Detail, HorizonTile};
 use bevy_sprawl::space::Bounds;
 use bevy_sprawl::world::{Area, World};
 use clap::{Args, ValueEnum};
@@ -23,6 +23,8 @@ use std::time::Instant;
 
 /// Largest square that is written as one GLB file, in metres.
 const GLB_MOST: f64 = 16_000.0;
+/// Largest square of the land as seen from its middle, in metres.
+const HORIZON_MOST: f64 = 200_000.0;
 /// Beyond this, a picture shows the region unless told otherwise.
 const REGION_FROM: f64 = 20_000.0;
 
@@ -96,6 +98,8 @@ pub enum DetailArg {
     Full,
     /// Coarse ground, flat ribbons and boxes
     Reduced,
+    /// The land as seen from the middle of the square: tiles that get larger the farther they lie
+    Horizon,
 }
 
 /// Runs the command.
@@ -108,8 +112,9 @@ pub fn run(common: &Common, args: &MapArgs) -> Result<(), Fail> {
         ("glb", Format::Glb),
     ];
     let format = Format::of(&args.output, &formats)?;
-    if format == Format::Glb && args.size > GLB_MOST {
-        return Err(Fail::input(format!("--size {} is too large for a GLB: at most {GLB_MOST} m", args.size)));
+    let most = if args.detail == Some(DetailArg::Horizon) { HORIZON_MOST } else { GLB_MOST };
+    if format == Format::Glb && args.size > most {
+        return Err(Fail::input(format!("--size {} is too large for a GLB: at most {most} m", args.size)));
     }
     check_flags(args, format)?;
     // Whatever may be refused is read before the world is made.
@@ -224,15 +229,24 @@ fn counts(area: &Area) -> [(&'static str, usize); 5] {
 }
 
 fn meshes(common: &Common, world: &World, bounds: Bounds, detail: DetailArg) -> Result<Vec<PlacedMesh>, Fail> {
+    let cancel = Cancel::new();
     let detail = match detail {
         DetailArg::Full => Detail::Full,
         DetailArg::Reduced => Detail::Reduced,
+        DetailArg::Horizon => {
+            let chunk_size = world.settings().chunk_size;
+            let tiles = mesh::horizon_tiles(bounds.centre(), bounds.size().x / 2.0, chunk_size);
+            return work::each(common, "building meshes", &tiles, |tile| {
+                let HorizonTile { level, x, y } = *tile;
+                let (name, origin) = (format!("level {level} tile {x},{y}"), tile.origin(chunk_size));
+                Ok(PlacedMesh { name, origin, mesh: world.horizon(*tile, &cancel)? })
+            });
+        }
     };
-    let cancel = Cancel::new();
     work::each(common, "building meshes", &work::chunks(world, bounds), |coord| {
         let chunk = world.chunk(*coord, &cancel)?;
         Ok(PlacedMesh {
-            coord: *coord,
+            name: format!("chunk {coord}"),
             origin: chunk.origin,
             mesh: mesh::build(&chunk, &**world.terrain(), detail, &cancel)?,
         })
