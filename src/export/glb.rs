@@ -2,7 +2,7 @@
 
 use crate::export::ExportError;
 use crate::mesh::{ChunkMesh, ChunkPart, MeshBuffers, PartMaterial};
-use crate::space::{ChunkCoord, Origin};
+use crate::space::Origin;
 use glam::{DVec2, Vec3};
 use gltf::Index;
 use gltf::accessor::{ComponentType, GenericComponentType, Type};
@@ -192,6 +192,7 @@ impl File {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::ChunkCoord;
 
     /// A square of two triangles, off the origin.
     fn square(height: f32) -> MeshBuffers {
