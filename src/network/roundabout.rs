@@ -1,6 +1,6 @@
 //! Roundabouts: small round faces of the street network.
 
-use crate::network::Side;
+use crate::network::traffic::Side;
 use crate::space::{centroid, math::angle_between};
 use glam::DVec2;
 

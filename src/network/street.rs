@@ -1,6 +1,6 @@
 //! Junctions, streets and their classes.
 
-use crate::network::Side;
+use crate::network::traffic::{Side, Traffic};
 use crate::space::{Bounds, line_length, stable_hash};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -168,6 +168,17 @@ impl Street {
     /// Box around the centre line.
     pub fn bounds(&self) -> Bounds {
         Bounds::of(self.line.iter().copied())
+    }
+
+    /// The directions of traffic where it drives on this side. Traffic goes around the island of a roundabout with the island on
+    /// the other side. A world of traffic on the left is one of traffic on the right whose one-way streets are all reversed.
+    pub fn traffic(&self, driving: Side) -> Traffic {
+        let along = match self.island {
+            Some(island) => island != driving,
+            None if self.class.is_one_way() => driving == Side::Right,
+            None => return Traffic::Both,
+        };
+        if along { Traffic::Along } else { Traffic::Against }
     }
 
     /// The same street moved by `offset`, in whole metres so that no rounding occurs.

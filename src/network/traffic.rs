@@ -1,6 +1,5 @@
 //! On which side traffic drives, and which way it goes along a street.
 
-use crate::network::Street;
 use serde::{Deserialize, Serialize};
 
 /// A side of a street, going along its line; or the side of the road on which traffic drives.
@@ -23,17 +22,4 @@ pub enum Traffic {
     Along,
     /// From the junction `to` to the junction `from` only.
     Against,
-}
-
-impl Street {
-    /// The directions of traffic where it drives on this side. Traffic goes around the island of a roundabout with the island on
-    /// the other side. A world of traffic on the left is one of traffic on the right whose one-way streets are all reversed.
-    pub fn traffic(&self, driving: Side) -> Traffic {
-        let along = match self.island {
-            Some(island) => island != driving,
-            None if self.class.is_one_way() => driving == Side::Right,
-            None => return Traffic::Both,
-        };
-        if along { Traffic::Along } else { Traffic::Against }
-    }
 }
