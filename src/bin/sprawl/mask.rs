@@ -13,10 +13,10 @@ pub struct MaskArgs {
     /// Edge of a pixel in metres, of a map that is a road mask (.png)
     #[arg(long, value_name = "M", value_parser = number)]
     metres_per_pixel: Option<f64>,
-    /// Colour of roads in a road mask [default: #0000ff]
+    /// Colour of roads in a road mask, #0000ff if not given
     #[arg(long, value_name = "#RRGGBB", value_parser = colour)]
     road_colour: Option<[u8; 3]>,
-    /// Colour of buildings in a road mask [default: #ff0000]
+    /// Colour of buildings in a road mask, #ff0000 if not given
     #[arg(long, value_name = "#RRGGBB", value_parser = colour)]
     building_colour: Option<[u8; 3]>,
 }
