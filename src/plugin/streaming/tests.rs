@@ -13,7 +13,7 @@ use crate::plugin::{
 };
 use crate::region::Outline;
 use crate::space::{ChunkCoord, Seed};
-use crate::terrain::Terrain;
+use crate::terrain::{GROUND_STEP, Terrain};
 use crate::testing::Flat;
 use crate::world::{WorldAssets, WorldSource};
 use bevy::ecs::system::SystemState;
@@ -64,7 +64,8 @@ impl ChunkGenerator for Fake {
             }
         }
         self.made.fetch_add(1, Ordering::Relaxed);
-        let ground = Ground { cells: 1, samples: vec![Flat.sample(DVec2::ZERO); 4] };
+        let cells = (self.size as f64 / GROUND_STEP) as usize;
+        let ground = Ground { cells, samples: vec![Flat.sample(DVec2::ZERO); (cells + 1) * (cells + 1)] };
         Ok(Arc::new(Chunk::empty(coord, self.size, ground)))
     }
 
