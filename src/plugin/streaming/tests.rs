@@ -28,6 +28,7 @@ use std::time::Duration;
 struct Fake {
     size: i64,
     made: Arc<AtomicUsize>,
+    waiting: Arc<AtomicUsize>,
     cancelled: Arc<AtomicUsize>,
     how: fn(ChunkCoord) -> How,
 }
@@ -41,7 +42,7 @@ enum How {
 
 impl Fake {
     fn new(how: fn(ChunkCoord) -> How) -> Self {
-        Self { size: 512, made: Arc::default(), cancelled: Arc::default(), how }
+        Self { size: 512, made: Arc::default(), waiting: Arc::default(), cancelled: Arc::default(), how }
     }
 }
 
@@ -56,6 +57,7 @@ impl ChunkGenerator for Fake {
             How::Defect => return Err(LayerError::Padding { layer: "test", declared: 1.0, needed: 2.0 }),
             How::Panic => panic!("a defect at {coord}"),
             How::WaitUntilCancelled => {
+                self.waiting.fetch_add(1, Ordering::Relaxed);
                 while !cancel.is_cancelled() {
                     std::thread::sleep(Duration::from_millis(1));
                 }
@@ -215,10 +217,14 @@ fn stale_work_is_cancelled_and_tasks_are_bounded() {
     let maker = Fake::new(|c| if c.0.x < 5 { How::WaitUntilCancelled } else { How::Make });
     let (mut app, anchor) = app(&maker, small());
     app.world_mut().resource_mut::<StreamSettings>().max_tasks = 3;
-    for _ in 0..20 {
+    // Other tests may keep the threads of the pool busy for a while.
+    for round in 0..60_000 {
         app.update();
         assert!(app.world().resource::<SprawlStats>().tasks_in_flight <= 3);
         std::thread::sleep(Duration::from_millis(1));
+        if round >= 20 && maker.waiting.load(Ordering::Relaxed) > 0 {
+            break;
+        }
     }
     move_to(&mut app, anchor, Vec3::new(6000.0, 0.0, 0.0));
     settle(&mut app);
