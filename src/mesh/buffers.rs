@@ -77,9 +77,10 @@ impl MeshBuffers {
     pub(super) fn vertex(&mut self, at: DVec3, normal: DVec3, colour: Rgb, alpha: f32) -> u32 {
         let index = self.positions.len() as u32;
         self.positions.push(to_bevy(at));
-        let [x, y, z] = to_bevy(normal).map(|n| (n * 127.0).round() as i8);
+        // Rounded by hand: without instructions that not every processor has, `round` is a call.
+        let [x, y, z] = to_bevy(normal).map(|n| (n * 127.0 + 0.5f32.copysign(n)) as i8);
         self.normals.push([x, y, z, 0]);
-        self.colours.push([colour[0], colour[1], colour[2], alpha].map(|c| (c * 65535.0).round() as u16));
+        self.colours.push([colour[0], colour[1], colour[2], alpha].map(|c| (c * 65535.0 + 0.5) as u16));
         index
     }
 

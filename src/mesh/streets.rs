@@ -112,7 +112,7 @@ fn normal(tin: &Tin, corners: [u32; 3]) -> DVec3 {
 }
 
 fn is_steep(normal: DVec3) -> bool {
-    normal.z < 0.7 * normal.length()
+    normal.z < 0.0 || normal.z * normal.z < 0.49 * normal.length_squared()
 }
 
 /// Adds the face of a kerb. It looks away from the upper side.

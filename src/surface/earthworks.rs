@@ -1,7 +1,7 @@
 //! Cut and fill: how the ground meets the streets.
 
 use crate::network::{Street, StreetId};
-use crate::space::{Bounds, Measured, closest_on_segment};
+use crate::space::{Bounds, Measured};
 use crate::surface::junction::{deck_reach, has_surface};
 use crate::surface::profile::Profile;
 use crate::surface::section::{CrossSection, KERB_HEIGHT};
@@ -19,6 +19,11 @@ const UNDER_DECK: f64 = 0.4;
 
 /// Distance between the points at which a profile is looked up, in metres.
 const STEP: f64 = 8.0;
+
+/// A street counts as straight, in plan and in height, while it stays this near to a straight line, in metres; but over this many
+/// steps at most.
+const TOLERANCE: f64 = 0.04;
+const MOST_STEPS: usize = 8;
 
 /// Edge of a bucket of the index, in metres.
 const BUCKET: f64 = 32.0;
@@ -39,7 +44,11 @@ pub struct Earthworks {
 /// A straight stretch of a street.
 struct Stretch {
     street: StreetId,
-    ends: [DVec2; 2],
+    start: DVec2,
+    /// From the start to the end.
+    by: DVec2,
+    /// One over the square of the length.
+    per: f64,
     heights: [f64; 2],
     half: f64,
     cut_only: bool,
@@ -72,32 +81,57 @@ impl Earthworks {
         let raise = if section.paved { KERB_HEIGHT } else { 0.0 };
         let deck = deck_reach(street);
         let along = |i: usize| length * i as f64 / count as f64;
-        let mut a = origin + measured.point_at(0.0);
-        for i in 0..count {
-            let b = origin + measured.point_at(along(i + 1));
-            let near = Bounds::of([a, b]).grown(reach);
+        let points: Vec<DVec2> = (0..=count).map(|i| measured.point_at(along(i))).collect();
+        let heights: Vec<f64> = (0..=count).map(|i| profile.height(along(i))).collect();
+        let on_deck = |i: usize| {
+            let middle = (along(i) + along(i + 1)) / 2.0;
+            street.bridge && middle > deck && middle < length - deck
+        };
+        let is_straight = |i: usize, k: usize| {
+            (i + 1..k).all(|m| {
+                let t = (m - i) as f64 / (k - i) as f64;
+                let height = heights[i] + (heights[k] - heights[i]) * t;
+                on_deck(m) == on_deck(i)
+                    && points[m].distance(points[i].lerp(points[k], t)) < TOLERANCE
+                    && (heights[m] - height).abs() < TOLERANCE
+            })
+        };
+        let mut i = 0;
+        while i < count {
+            let mut k = i + 1;
+            while k < count && k - i < MOST_STEPS && is_straight(i, k + 1) {
+                k += 1;
+            }
+            let near = Bounds::of([origin + points[i], origin + points[k]]).grown(reach);
             if near.overlaps(bounds) {
-                let middle = (along(i) + along(i + 1)) / 2.0;
-                let cut_only = street.bridge && middle > deck && middle < length - deck;
+                let cut_only = on_deck(i);
                 let lift = if cut_only { -UNDER_DECK } else { raise };
-                let heights = [i, i + 1].map(|k| profile.height(along(k)) + lift);
-                let index = self.stretches.len() as u32;
-                self.stretches.push(Stretch {
+                let by = points[k] - points[i];
+                let stretch = Stretch {
                     street: street.id,
-                    ends: [a, b],
-                    heights,
+                    start: origin + points[i],
+                    by,
+                    per: 1.0 / by.length_squared().max(1e-12),
+                    heights: [i, k].map(|m| heights[m] + lift),
                     half: section.outer,
                     cut_only,
-                });
-                let low = self.bucket(near.min).max(IVec2::ZERO);
-                let high = self.bucket(near.max).min(IVec2::new(self.columns, self.rows) - 1);
-                for y in low.y..=high.y {
-                    for x in low.x..=high.x {
-                        self.buckets[(y * self.columns + x) as usize].push(index);
-                    }
-                }
+                };
+                self.keep(stretch, near);
             }
-            a = b;
+            i = k;
+        }
+    }
+
+    /// Keeps a stretch in the buckets that its influence, `near`, comes into.
+    fn keep(&mut self, stretch: Stretch, near: Bounds) {
+        let index = self.stretches.len() as u32;
+        self.stretches.push(stretch);
+        let low = self.bucket(near.min).max(IVec2::ZERO);
+        let high = self.bucket(near.max).min(IVec2::new(self.columns, self.rows) - 1);
+        for y in low.y..=high.y {
+            for x in low.x..=high.x {
+                self.buckets[(y * self.columns + x) as usize].push(index);
+            }
         }
     }
 
@@ -125,8 +159,9 @@ impl Earthworks {
         };
         for index in &self.buckets[(at.y * self.columns + at.x) as usize] {
             let stretch = &self.stretches[*index as usize];
-            let (t, q) = closest_on_segment(p, stretch.ends[0], stretch.ends[1]);
-            let (squared, farthest) = (q.distance_squared(p), BANK_REACH + stretch.half);
+            let from = p - stretch.start;
+            let t = (from.dot(stretch.by) * stretch.per).clamp(0.0, 1.0);
+            let (squared, farthest) = ((from - stretch.by * t).length_squared(), BANK_REACH + stretch.half);
             if squared >= farthest * farthest {
                 continue;
             }

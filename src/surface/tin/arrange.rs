@@ -5,7 +5,7 @@ use crate::space::QUANTUM;
 use glam::{DVec2, I64Vec2, IVec2};
 
 /// Edge of a cell in which edges are compared, in metres.
-const CELL: f64 = 4.0;
+const CELL: f64 = 2.0;
 
 /// Rounds of splitting: rounding a crossing to the quantum grid may make others.
 const ROUNDS: usize = 8;
@@ -15,6 +15,9 @@ const ROUNDS: usize = 8;
 /// fixed ones, and the crossings.
 pub(super) fn arrange(sheet: &mut Sheet, fixed: &[[u32; 2]], edges: Vec<[u32; 2]>) -> (Vec<[u32; 2]>, Vec<u32>) {
     let known = sheet.points.len() as u32;
+    if edges.is_empty() {
+        return (edges, Vec::new());
+    }
     let mut open = edges;
     for _ in 0..ROUNDS {
         let splits = splits(sheet, fixed, &open);
@@ -52,12 +55,19 @@ pub(super) fn arrange(sheet: &mut Sheet, fixed: &[[u32; 2]], edges: Vec<[u32; 2]
 fn splits(sheet: &mut Sheet, fixed: &[[u32; 2]], open: &[[u32; 2]]) -> Vec<(u32, u32)> {
     let cell = (CELL / QUANTUM) as i32;
     let columns = sheet.edge / cell + 1;
-    let mut entries: Vec<(u32, u32)> = Vec::with_capacity((open.len() + fixed.len()) * 3);
+    let mut entries: Vec<(u32, u32)> = Vec::with_capacity(open.len() * 4);
+    let mut touched = vec![false; ((sheet.edge + 1) / cell + 1) as usize * columns as usize];
     for (i, ends) in open.iter().chain(fixed).enumerate() {
         let [a, b] = ends.map(|v| sheet.points[v as usize].at);
         let (low, high) = ((a.min(b) - 1).max(IVec2::ZERO) / cell, (a.max(b) + 1) / cell);
         for y in low.y..=high.y {
-            entries.extend((low.x..=high.x).map(|x| ((y * columns + x) as u32, i as u32)));
+            for at in low.x + y * columns..=high.x + y * columns {
+                // Edges that are not split only matter where others are.
+                if i < open.len() || touched[at as usize] {
+                    touched[at as usize] = true;
+                    entries.push((at as u32, i as u32));
+                }
+            }
         }
     }
     entries.sort_unstable();
@@ -74,7 +84,13 @@ fn splits(sheet: &mut Sheet, fixed: &[[u32; 2]], open: &[[u32; 2]]) -> Vec<(u32,
             for (_, j) in &group[k + 1..] {
                 let f = ends(*j);
                 let [c, d] = f.map(|v| sheet.points[v as usize].at);
-                if c.min(d).cmpgt(high).any() || c.max(d).cmplt(low).any() {
+                let first = (c.min(d) - 1).max(low);
+                if first.cmpgt(high.min(c.max(d) + 1)).any() {
+                    continue;
+                }
+                // Two edges are compared in one of the cells that both come into.
+                let first = first.max(IVec2::ZERO) / cell;
+                if first.y * columns + first.x != group[0].0 as i32 {
                     continue;
                 }
                 let splits_f = (*j as usize) < open.len();

@@ -4,12 +4,11 @@ use super::arrange::arrange;
 use super::outline::{Edge, shared_edges};
 use super::overlaps::Overlaps;
 use super::sheet::{Point, Sheet, turn};
+use super::triangulation::Triangulation;
 use crate::space::{QUANTUM, distance_to_segment};
 use crate::surface::finish::Finish;
 use crate::terrain::GROUND_STEP;
-use glam::{DVec2, IVec2, USizeVec2};
-use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use glam::{DVec2, IVec2};
 
 /// Vertices of the ground's grid nearer than this to the surface are left out, in metres: they would make thin triangles.
 const CLEARANCE: f64 = 1.5;
@@ -26,20 +25,6 @@ pub(super) struct Around {
 
 /// Why a triangulation failed: the parts whose shapes cannot stand beside the others.
 pub(super) struct Contradiction(pub Vec<u32>);
-
-/// A vertex of the triangulation.
-struct Vertex(Point2<f64>);
-
-impl HasPosition for Vertex {
-    type Scalar = f64;
-
-    fn position(&self) -> Point2<f64> {
-        self.0
-    }
-}
-
-/// A triangulation whose edges know whether they belong to the outline of the surface.
-type Cdt = ConstrainedDelaunayTriangulation<Vertex, (), bool>;
 
 /// The grid of the ground in the square.
 struct Grid {
@@ -197,7 +182,14 @@ pub(super) fn around(
             }
         }
     }
-    let mut cdt = Builder { slots: vec![u32::MAX; sheet.points.len()], ..Builder::default() };
+    let mut net = Vertices { slots: vec![u32::MAX; sheet.points.len() + 4], ..Vertices::default() };
+    let mut rim = Vec::new();
+    // The triangulation grows from the corners of the square.
+    for (column, row) in [(0, 0), (grid.cells, 0), (grid.cells, grid.cells), (0, grid.cells)] {
+        let at = grid.at(column, row);
+        let corner = sheet.id(Point { at, height: height(column, row) });
+        net.vertex(sheet, corner);
+    }
     for row in 0..grid.cells {
         for column in 0..grid.cells {
             let corner = |c: usize, r: usize| vertices[grid.vertex(column + c, row + r)];
@@ -209,7 +201,7 @@ pub(super) fn around(
             }
             for (c, r) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 if corner(c, r) != u32::MAX {
-                    cdt.vertex(sheet, corner(c, r));
+                    net.vertex(sheet, corner(c, r));
                 }
             }
             // Between regular squares and others runs an edge.
@@ -226,12 +218,12 @@ pub(super) fn around(
             ];
             for ((dc, dr), a, b) in sides {
                 if far(dc, dr) {
-                    cdt.edge(sheet, [corner(a.0, a.1), corner(b.0, b.1)]);
+                    rim.push([corner(a.0, a.1), corner(b.0, b.1)].map(|v| net.vertex(sheet, v)));
                 }
             }
         }
     }
-    if cdt.vertices.is_empty() && outline.is_empty() {
+    if !grid.near.contains(&true) {
         return Ok(Around { triangles: out, near: grid.near });
     }
     // Corners of the surface on the border are not ends of its outline everywhere.
@@ -239,115 +231,85 @@ pub(super) fn around(
         for v in triangle.corners {
             let at = sheet.points[v as usize].at;
             if at.min_element() == 0 || at.max_element() == sheet.edge {
-                cdt.vertex(sheet, v);
+                net.vertex(sheet, v);
             }
         }
     }
-    let seeds: Vec<[usize; 2]> = outline.iter().map(|e| cdt.edge(sheet, e.ends)).collect();
-    for ends in shared {
-        cdt.edge(sheet, ends);
+    let outline: Vec<([u32; 2], u32)> =
+        outline.iter().map(|e| (e.ends.map(|v| net.vertex(sheet, v)), e.part)).collect();
+    let shared: Vec<[u32; 2]> = shared.iter().map(|ends| ends.map(|v| net.vertex(sheet, v))).collect();
+    let mut mesh = Triangulation::new(&net.at);
+    for [a, b] in rim {
+        // Nothing crosses the rim, since no surface comes near it.
+        let _ = mesh.fix(a, b);
     }
-    triangulate(sheet, &grid, cdt, outline, &seeds, &mut out)?;
+    let covered = cover(&mut mesh, &outline)?;
+    for [a, b] in shared {
+        // One of two edges that cross by rounding gives way.
+        let _ = mesh.fix(a, b);
+    }
+    let middle = |h: u32| mesh.corners(h).map(|v| net.at[v as usize]).iter().sum::<IVec2>() / 3;
+    let is_ground = |t: usize| {
+        let square = (middle(3 * t as u32) / grid.step).min(IVec2::splat(grid.cells as i32 - 1)).as_usizevec2();
+        !covered[t] && grid.near[grid.square(square.x, square.y)]
+    };
+    let free: Vec<bool> = (0..covered.len()).map(is_ground).collect();
+    mesh.improve(&free);
+    let overlaps = Overlaps::new(sheet);
+    for t in (0..free.len()).filter(|t| free[*t]) {
+        let corners = mesh.corners(3 * t as u32).map(|v| net.points[v as usize]);
+        let middle = corners.map(|v| sheet.plan(v)).iter().sum::<DVec2>() / 3.0;
+        let finish = overlaps.as_ref().and_then(|o| o.at(middle)).map_or(Finish::Ground, |(finish, _)| finish);
+        out.push((corners, finish));
+    }
     Ok(Around { triangles: out, near: grid.near })
 }
 
-/// Vertices and edges for a triangulation.
+/// Vertices of a triangulation.
 #[derive(Default)]
-struct Builder {
-    vertices: Vec<Vertex>,
-    edges: Vec<[usize; 2]>,
+struct Vertices {
+    at: Vec<IVec2>,
     /// The point of the sheet of each vertex.
     points: Vec<u32>,
     /// The vertex of each point of the sheet.
     slots: Vec<u32>,
 }
 
-impl Builder {
-    fn vertex(&mut self, sheet: &Sheet, point: u32) -> usize {
+impl Vertices {
+    fn vertex(&mut self, sheet: &Sheet, point: u32) -> u32 {
         let slot = &mut self.slots[point as usize];
         if *slot == u32::MAX {
-            *slot = self.vertices.len() as u32;
-            let p = sheet.plan(point);
-            self.vertices.push(Vertex(Point2::new(p.x, p.y)));
+            *slot = self.at.len() as u32;
+            self.at.push(sheet.points[point as usize].at);
             self.points.push(point);
         }
-        *slot as usize
-    }
-
-    fn edge(&mut self, sheet: &Sheet, ends: [u32; 2]) -> [usize; 2] {
-        let ends = ends.map(|v| self.vertex(sheet, v));
-        self.edges.push(ends);
-        ends
+        *slot
     }
 }
 
-fn triangulate(
-    sheet: &Sheet,
-    grid: &Grid,
-    builder: Builder,
-    outline: &[Edge],
-    seeds: &[[usize; 2]],
-    out: &mut Triangles,
-) -> Result<(), Contradiction> {
-    let Builder { vertices, edges, points, .. } = builder;
-    let mut conflicts: Vec<[usize; 2]> = Vec::new();
-    // Edges of the outline do not cross each other, so there are no conflicts unless a part lies on another's vertex.
-    let Ok(mut cdt) = Cdt::try_bulk_load_cdt(vertices, edges, |edge| conflicts.push(edge)) else { return Ok(()) };
-    if !conflicts.is_empty() {
-        let hit = seeds
-            .iter()
-            .zip(outline)
-            .filter(|(ends, _)| conflicts.iter().any(|c| c == *ends || [c[1], c[0]] == **ends));
-        let parts: Vec<u32> = hit.map(|(_, edge)| edge.part).collect();
-        if !parts.is_empty() {
-            return Err(Contradiction(parts));
-        }
-    }
-    let overlaps = Overlaps::new(sheet);
-    // Nothing passes from under the surface over its outline.
-    for ends in seeds {
-        let [a, b] = ends.map(FixedVertexHandle::from_index);
-        if let Some(edge) = cdt.get_edge_from_neighbors(a, b).map(|e| e.as_undirected().fix()) {
-            *cdt.undirected_edge_data_mut(edge).data_mut() = true;
-        }
-    }
-    let mut torn: Vec<u32> = Vec::new();
-    let mut covered = vec![false; cdt.num_all_faces()];
-    let mut open = Vec::new();
-    let found = |ends: &[usize; 2]| {
-        let [a, b] = ends.map(FixedVertexHandle::from_index);
-        cdt.get_edge_from_neighbors(a, b)
-    };
-    for (ends, edge) in seeds.iter().zip(outline) {
-        match found(ends).map(|e| e.face().as_inner()) {
-            Some(Some(face)) => open.push(face),
-            Some(None) => {}
-            None => torn.push(edge.part),
-        }
-    }
-    while let Some(face) = open.pop() {
-        if !std::mem::replace(&mut covered[face.fix().index()], true) {
-            let over = face.adjacent_edges().into_iter().filter(|e| !*e.as_undirected().data().data());
-            open.extend(over.filter_map(|e| e.rev().face().as_inner()));
-        }
-    }
-    // An outline with the surface on both sides belongs to a part that lies on another.
-    let lies_on = |ends: &[usize; 2]| {
-        let beside = found(ends).and_then(|e| e.rev().face().as_inner());
-        beside.is_some_and(|face| covered[face.fix().index()])
-    };
-    torn.extend(seeds.iter().zip(outline).filter(|(ends, _)| lies_on(ends)).map(|(_, edge)| edge.part));
+/// Fixes the `outline` of the surface, given as edges with their parts and the surface on the left. Returns for each triangle
+/// whether it lies under the surface.
+fn cover(mesh: &mut Triangulation<'_>, outline: &[([u32; 2], u32)]) -> Result<Vec<bool>, Contradiction> {
+    let torn: Vec<u32> =
+        outline.iter().filter(|([a, b], _)| mesh.fix(*a, *b).is_err()).map(|(_, part)| *part).collect();
     if !torn.is_empty() {
         return Err(Contradiction(torn));
     }
-    for face in cdt.inner_faces().filter(|face| !covered[face.fix().index()]) {
-        let middle = face.center();
-        let middle = DVec2::new(middle.x, middle.y);
-        let square = (middle / GROUND_STEP).as_usizevec2().min(USizeVec2::splat(grid.cells - 1));
-        if grid.near[grid.square(square.x, square.y)] {
-            let finish = overlaps.as_ref().and_then(|o| o.at(middle)).map_or(Finish::Ground, |(finish, _)| finish);
-            out.push((face.vertices().map(|v| points[v.fix().index()]), finish));
+    // The half-edges of the outline, except where a vertex lies on it.
+    let edges: Vec<(Option<u32>, u32)> = outline.iter().map(|([a, b], part)| (mesh.find(*a, *b), *part)).collect();
+    let mut open: Vec<u32> = edges.iter().filter_map(|edge| edge.0).collect();
+    // Nothing passes from under the surface over its outline.
+    let mut barred = vec![false; mesh.half_edges() as usize];
+    open.iter().for_each(|h| barred[*h as usize] = true);
+    let mut covered = vec![false; barred.len() / 3];
+    while let Some(h) = open.pop() {
+        let first = h - h % 3;
+        if !std::mem::replace(&mut covered[h as usize / 3], true) {
+            open.extend((first..first + 3).filter(|h| !barred[*h as usize]).filter_map(|h| mesh.twin(h)));
         }
     }
-    Ok(())
+    // An outline with the surface on both sides belongs to a part that lies on another.
+    let is_whole = |h: u32| mesh.twin(h).is_none_or(|twin| !covered[twin as usize / 3]);
+    let torn: Vec<u32> = edges.iter().filter(|(h, _)| !h.is_some_and(is_whole)).map(|(_, part)| *part).collect();
+    if torn.is_empty() { Ok(covered) } else { Err(Contradiction(torn)) }
 }

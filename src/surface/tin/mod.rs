@@ -12,15 +12,17 @@ mod outline;
 mod overlaps;
 mod pairs;
 mod sheet;
+mod triangulation;
 
 use self::ground::{Around, around};
 use self::locate::{Index, Net};
-use self::outline::separate;
-use self::pairs::each_edge;
+use self::outline::{all_edges, find_overlaps, separate};
+use self::pairs::sides;
 use self::sheet::Sheet;
 use crate::surface::element::Element;
 use crate::surface::finish::{Finish, SurfaceKind};
 use crate::surface::section::KERB_HEIGHT;
+use crate::terrain::GROUND_STEP;
 use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
 
@@ -57,8 +59,20 @@ impl Tin {
     /// square, in an order that every square agrees on; `ground` gives the height at a column and a row of the ground's grid.
     pub fn new(elements: &[Element], size: i64, mut ground: impl FnMut(usize, usize) -> f64) -> Self {
         let mut sheet = Sheet::new(elements, size);
+        // Heights are asked for once, however often a triangulation is tried.
+        let columns = (size as f64 / GROUND_STEP) as usize + 1;
+        let mut known = vec![f64::NAN; columns * columns];
+        let mut ground = |column: usize, row: usize| {
+            let height = &mut known[row * columns + column];
+            if height.is_nan() {
+                *height = ground(column, row);
+            }
+            *height
+        };
+        let edges = all_edges(&sheet);
+        find_overlaps(&mut sheet, &edges);
         let Around { triangles, near } = loop {
-            let outline = separate(&mut sheet);
+            let outline = separate(&mut sheet, &edges);
             match around(&mut sheet, &outline, &mut ground) {
                 Ok(around) => break around,
                 Err(contradiction) => {
@@ -115,14 +129,15 @@ impl Tin {
     /// that the upper side lies to the left.
     pub fn steps(&self) -> Vec<Step> {
         let mut out = Vec::new();
-        let touched = |corners: &[u32; 3]| corners.iter().any(|v| self.raised[*v as usize]);
-        let triangles = self.triangles.iter().filter(|(corners, _)| touched(corners)).copied();
-        each_edge(self.points.len(), triangles, |same| {
-            let [one, other] = same else { return };
+        let is_raised = |ends: [u32; 2]| ends.iter().any(|v| self.raised[*v as usize]);
+        for same in
+            sides(self.points.len(), self.triangles.iter().copied(), is_raised).chunk_by(|a, b| a.ends == b.ends)
+        {
+            let [one, other] = same else { continue };
             let heights = |finish: Finish| one.ends.map(|v| self.height_of(v, finish));
             let (a, b) = (heights(one.of), heights(other.of));
             if a == b || one.forward == other.forward {
-                return;
+                continue;
             }
             let (upper, low, high, beside) =
                 if a[0] + a[1] > b[0] + b[1] { (one, b, a, other.of) } else { (other, a, b, one.of) };
@@ -130,7 +145,7 @@ impl Tin {
             let [p, q] = upper.ends;
             let ends = if upper.forward { [p, q] } else { [q, p] };
             out.push(Step { ends, low: turned(low), high: turned(high), beside });
-        });
+        }
         out
     }
 }

@@ -1,6 +1,6 @@
 //! Outlines of the surface, and where shapes overlap.
 
-use super::pairs::{Side, each_edge};
+use super::pairs::{Side, sides};
 use super::sheet::{Sheet, turn};
 use crate::space::QUANTUM;
 use glam::IVec2;
@@ -15,45 +15,54 @@ pub(super) struct Edge {
 /// Edge of a cell in which edges are compared, in metres.
 const CELL: f64 = 16.0;
 
-/// The edges of the triangles for which `counts` holds that no other of them has on its other side, except on the border of
-/// the square.
-pub(super) fn outline(sheet: &Sheet, counts: impl Fn(u32) -> bool + Clone) -> Vec<Edge> {
+/// The edges of the parts that are not shared which no other of their triangles has on its other side, except on the border of
+/// the square. `sides` are the edges of all triangles.
+fn outline(sheet: &Sheet, sides: &[Side<u32>]) -> Vec<Edge> {
     let mut out = Vec::new();
-    let triangles = sheet.triangles.iter().filter(|t| counts(t.part)).map(|t| (t.corners, t.part));
-    each_edge(sheet.points.len(), triangles, |same| {
-        let paired = same.len() == 2 && same[0].forward != same[1].forward;
+    for same in sides.chunk_by(|a, b| a.ends == b.ends) {
+        let mut own = same.iter().filter(|side| !sheet.shared[side.of as usize]);
+        let paired = match (own.next(), own.next(), own.next()) {
+            (None, ..) => true,
+            (Some(a), Some(b), None) => a.forward != b.forward,
+            _ => false,
+        };
         if paired || sheet.is_on_border(same[0].ends) {
-            return;
+            continue;
         }
-        for Side { ends: [a, b], forward, of } in same {
+        for Side { ends: [a, b], forward, of } in same.iter().filter(|side| !sheet.shared[side.of as usize]) {
             out.push(Edge { ends: if *forward { [*a, *b] } else { [*b, *a] }, part: *of });
         }
-    });
+    }
     out
 }
 
-/// Marks the parts whose shapes overlap others, until nothing else overlaps. Returns the outline of the rest.
-pub(super) fn separate(sheet: &mut Sheet) -> Vec<Edge> {
-    for part in border_overlaps(sheet) {
-        sheet.shared[part as usize] = true;
-    }
-    let mut all = outline(sheet, |_| true);
+/// The edges of all triangles with their parts.
+pub(super) fn all_edges(sheet: &Sheet) -> Vec<Side<u32>> {
+    sides(sheet.points.len(), sheet.triangles.iter().map(|t| (t.corners, t.part)), |_| true)
+}
+
+/// Marks the parts whose outlines cross. `sides` are the edges of all triangles.
+pub(super) fn find_overlaps(sheet: &mut Sheet, sides: &[Side<u32>]) {
+    let crossing = crossings(sheet, &outline(sheet, sides), &[]);
+    crossing.into_iter().chain(border_overlaps(sheet)).for_each(|part| sheet.shared[part as usize] = true);
+}
+
+/// Marks the parts whose shapes overlap shared parts, until nothing else overlaps. Returns the outline of the rest.
+pub(super) fn separate(sheet: &mut Sheet, sides: &[Side<u32>]) -> Vec<Edge> {
     loop {
-        let crossing = crossings(sheet, &all);
+        let rest = outline(sheet, sides);
+        // The edges inside of shared parts count, too: they are cut up one by one.
+        let inside: Vec<Edge> = shared_edges(sheet).into_iter().map(|ends| Edge { ends, part: u32::MAX }).collect();
+        if inside.is_empty() {
+            return rest;
+        }
         let mut found = false;
-        for part in crossing {
+        for part in crossings(sheet, &rest, &inside) {
             found |= !std::mem::replace(&mut sheet.shared[part as usize], true);
         }
-        if !sheet.shared.contains(&true) {
-            return all;
-        }
-        let rest = outline(sheet, |part| !sheet.shared[part as usize]);
         if !found {
             return rest;
         }
-        // The edges inside of shared parts count, too: they are cut up one by one.
-        all = rest;
-        all.extend(shared_edges(sheet).into_iter().map(|ends| Edge { ends, part: u32::MAX }));
     }
 }
 
@@ -106,33 +115,47 @@ pub(super) fn shared_edges(sheet: &Sheet) -> Vec<[u32; 2]> {
     out
 }
 
-/// The parts of edges that cross or touch other edges anywhere but at a shared vertex.
-fn crossings(sheet: &Sheet, edges: &[Edge]) -> Vec<u32> {
+/// The parts of `edges` that cross or touch each other anywhere but at a shared vertex. If there are edges `inside` of shared
+/// parts, only what comes near these is looked at.
+fn crossings(sheet: &Sheet, edges: &[Edge], inside: &[Edge]) -> Vec<u32> {
     let cell = (CELL / QUANTUM) as i32;
     let columns = sheet.edge / cell + 1;
     let at = |v: u32| sheet.points[v as usize].at;
     let mut entries: Vec<(u32, u32)> = Vec::with_capacity(edges.len() * 2);
-    for (i, edge) in edges.iter().enumerate() {
-        let [a, b] = edge.ends.map(at);
+    let mut touched = vec![inside.is_empty(); (columns * columns) as usize];
+    let all = inside.len() + edges.len();
+    let edge = |i: usize| inside.get(i).unwrap_or_else(|| &edges[i - inside.len()]);
+    for i in 0..all {
+        let [a, b] = edge(i).ends.map(at);
         let (low, high) = (a.min(b) / cell, a.max(b) / cell);
         for y in low.y..=high.y {
-            entries.extend((low.x..=high.x).map(|x| ((y * columns + x) as u32, i as u32)));
+            for here in y * columns + low.x..=y * columns + high.x {
+                touched[here as usize] |= i < inside.len();
+                if touched[here as usize] {
+                    entries.push((here as u32, i as u32));
+                }
+            }
         }
     }
     entries.sort_unstable();
     let mut out = Vec::new();
     for group in entries.chunk_by(|a, b| a.0 == b.0) {
         for (k, (_, i)) in group.iter().enumerate() {
-            let e = &edges[*i as usize];
+            let e = edge(*i as usize);
             let [a, b] = e.ends.map(at);
             let (low, high) = (a.min(b), a.max(b));
             for (_, j) in &group[k + 1..] {
-                let f = &edges[*j as usize];
+                let f = edge(*j as usize);
                 if e.part == u32::MAX && f.part == u32::MAX {
                     continue;
                 }
                 let [c, d] = f.ends.map(at);
-                if c.min(d).cmpgt(high).any() || c.max(d).cmplt(low).any() {
+                let first = c.min(d).max(low);
+                if first.cmpgt(high.min(c.max(d))).any() {
+                    continue;
+                }
+                // Two edges are compared in one of the cells that both come into.
+                if first.y / cell * columns + first.x / cell != group[0].0 as i32 {
                     continue;
                 }
                 let [g, h] = [e, f].map(|edge| edge.part == u32::MAX);

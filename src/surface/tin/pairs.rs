@@ -11,23 +11,22 @@ pub(super) struct Side<T> {
     pub of: T,
 }
 
-/// Groups the edges of triangles by their vertices. `visit` is called once for each edge, with all triangles that have it, in
-/// their order.
-pub(super) fn each_edge<T: Copy>(
+/// The edges of triangles that count, sorted by their vertices; the same edges in the order of their triangles.
+pub(super) fn sides<T: Copy>(
     vertices: usize,
     triangles: impl Iterator<Item = ([u32; 3], T)> + Clone,
-    mut visit: impl FnMut(&[Side<T>]),
-) {
+    counts: impl Fn([u32; 2]) -> bool,
+) -> Vec<Side<T>> {
     // A counting sort by the lower vertex: there are few edges at each.
     let mut starts = vec![0u32; vertices + 1];
-    let edges = |corners: [u32; 3]| (0..3).map(move |i| [corners[i], corners[(i + 1) % 3]]);
+    let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].into_iter().filter(|ends| counts(*ends));
     for (corners, _) in triangles.clone() {
         edges(corners).for_each(|[a, b]| starts[a.min(b) as usize + 1] += 1);
     }
     for i in 1..starts.len() {
         starts[i] += starts[i - 1];
     }
-    let Some((_, first)) = triangles.clone().next() else { return };
+    let Some((_, first)) = triangles.clone().next() else { return Vec::new() };
     let blank = Side { ends: [0; 2], forward: false, of: first };
     let mut sides = vec![blank; starts[vertices] as usize];
     let mut next = starts.clone();
@@ -39,8 +38,7 @@ pub(super) fn each_edge<T: Copy>(
         }
     }
     for w in starts.windows(2) {
-        let group = &mut sides[w[0] as usize..w[1] as usize];
-        group.sort_by_key(|side| side.ends[1]);
-        group.chunk_by(|a, b| a.ends == b.ends).for_each(&mut visit);
+        sides[w[0] as usize..w[1] as usize].sort_by_key(|side| side.ends[1]);
     }
+    sides
 }

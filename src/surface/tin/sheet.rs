@@ -54,7 +54,7 @@ impl Sheet {
     }
 
     fn add(&mut self, element: &Element) {
-        let point = |p: &DVec3| Point { at: (p.truncate() / QUANTUM).round().as_ivec2(), height: p.z };
+        let point = |p: &DVec3| Point { at: (p.truncate() / QUANTUM).as_ivec2(), height: p.z };
         let points: Vec<Point> = element.points.iter().map(point).collect();
         let inside = |p: &Point| p.at.min_element() >= 0 && p.at.max_element() <= self.edge;
         let within: Vec<bool> = points.iter().map(inside).collect();
