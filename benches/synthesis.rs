@@ -53,7 +53,14 @@ fn window(
     let line = |first: i64, inner: Vec<i64>| Line([vec![first], inner, vec![first + 1]].concat());
     let mut streets: Vec<Line> = (0..w).map(|x| line(w * h + 2 * x, (0..h).map(|y| y * w + x).collect())).collect();
     streets.extend((0..h).map(|y| line(w * h + 2 * w + 2 * y, (0..w).map(|x| y * w + x).collect())));
-    let window = WindowDrawing { size: WINDOW, margin: MARGIN, map: "drawn".into(), at: middle, turned_deg: 0.0 };
+    let window = WindowDrawing {
+        size: WINDOW,
+        margin: MARGIN,
+        map: "drawn".into(),
+        at: middle,
+        turned_deg: 0.0,
+        buildings: Vec::new(),
+    };
     let drawing = PatchDrawing {
         name: number.to_string(),
         vertices,

@@ -7,7 +7,7 @@ use crate::map::model::{Map, MapBuilding, MapNode, MapStreet};
 use crate::map::report::{LeftOut, MapReport};
 use crate::map::rings::rings;
 use crate::map::tags::{BuildingTags, ElementKind, StreetTags};
-use crate::space::{Bounds, ClippedPoint, clip_line, line_length, point_in_polygon, segments, signed_area};
+use crate::space::{Bounds, ClippedPoint, clip_line, is_simple, line_length, point_in_polygon, segments, signed_area};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -198,6 +198,10 @@ impl BuildingBuilder<'_> {
             self.report.leave_out(LeftOut::OpenOutline);
         }
         for outline in outer {
+            if !is_simple(&outline) {
+                self.report.leave_out(LeftOut::CrossesItself);
+                continue;
+            }
             let (holes, rest) = inner.into_iter().partition(|hole: &Vec<DVec2>| lies_in(hole, &outline));
             inner = rest;
             if self.bounds.is_some_and(|b| !Bounds::of(outline.iter().copied()).overlaps(b)) {

@@ -22,6 +22,8 @@ pub enum LeftOut {
     StreetArea,
     /// The outline of a building that does not close or has no area.
     OpenOutline,
+    /// The outline of a building that crosses or touches itself.
+    CrossesItself,
     /// The same street again, such as the opposite direction of a two-way street in files of OSMnx.
     Repeated,
     /// A feature of GeoJSON without geometry, or with points alone.
@@ -34,7 +36,7 @@ pub enum LeftOut {
 
 impl LeftOut {
     /// Every reason.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::OtherKind,
         Self::OtherClass,
         Self::Deleted,
@@ -43,6 +45,7 @@ impl LeftOut {
         Self::TooFewPoints,
         Self::StreetArea,
         Self::OpenOutline,
+        Self::CrossesItself,
         Self::Repeated,
         Self::OtherGeometry,
         Self::OutsideBox,
@@ -60,6 +63,7 @@ impl LeftOut {
             Self::TooFewPoints => "too_few_points",
             Self::StreetArea => "street_area",
             Self::OpenOutline => "open_outline",
+            Self::CrossesItself => "crosses_itself",
             Self::Repeated => "repeated",
             Self::OtherGeometry => "other_geometry",
             Self::OutsideBox => "outside_box",
@@ -79,6 +83,7 @@ impl fmt::Display for LeftOut {
             Self::TooFewPoints => "fewer than two points",
             Self::StreetArea => "street drawn as an area",
             Self::OpenOutline => "outline not closed",
+            Self::CrossesItself => "outline that crosses itself",
             Self::Repeated => "repeated street",
             Self::OtherGeometry => "geometry not used",
             Self::OutsideBox => "outside of the box",

@@ -1,9 +1,9 @@
 //! From the drawing of a patch to the patch: what a drawing may not hold, the centre, the connectable vertices.
 
 use crate::network::{PlanarGraph, StreetClass};
-use crate::patch::file::{Line, PatchDrawing, WindowDrawing};
-use crate::patch::{Connectable, Pair, Patch, PatchEdge, PatchWindow};
-use crate::space::{DisjointSets, math::angle_between, quantize, segment_distance};
+use crate::patch::file::{BuildingDrawing, Line, PatchDrawing, WindowDrawing};
+use crate::patch::{Connectable, Pair, Patch, PatchBuilding, PatchEdge, PatchWindow};
+use crate::space::{DisjointSets, is_simple, math::angle_between, quantize, segment_distance, signed_area};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,6 +17,13 @@ const LEAST_ANGLE: f64 = 20.0;
 const REACH: f64 = 2000.0;
 /// Edges of windows, in metres.
 const WINDOWS: std::ops::RangeInclusive<f64> = 20.0..=1000.0;
+/// Corners of a building's outline.
+const CORNERS: std::ops::RangeInclusive<usize> = 3..=500;
+/// Least area of a building, in square metres.
+const LEAST_BUILDING: f64 = 1.0;
+/// Heights of buildings, in metres, and their storeys.
+const HEIGHTS: std::ops::RangeInclusive<f64> = 0.5..=1000.0;
+const STOREYS: std::ops::RangeInclusive<u32> = 1..=500;
 /// Greatest weight.
 const MOST_WEIGHT: f64 = 1e6;
 
@@ -35,6 +42,14 @@ pub(super) enum Defect {
     ClassCount(usize, usize),
     #[error("the window's {0} is {1}; allowed is {low} to {high} metres", low = .2.0, high = .2.1)]
     Window(&'static str, f64, (f64, f64)),
+    #[error("building {0} has {1} corners; allowed is {low} to {high}", low = CORNERS.start(), high = CORNERS.end())]
+    Corners(usize, usize),
+    #[error("building {0} has the coordinate {1}; allowed is -{REACH} to {REACH} metres")]
+    BuildingAt(usize, f64),
+    #[error("the outline of building {0} crosses itself, or has less than {LEAST_BUILDING} square metre in it")]
+    NoOutline(usize),
+    #[error("building {0} has the {1} {2}; allowed is {low} to {high}", low = .3.0, high = .3.1)]
+    BuildingValue(usize, &'static str, f64, (f64, f64)),
     #[error("a street runs through {0} vertices; it needs two or more, such as (0, 1) or [0, 4, 5, 1]")]
     ShortStreet(usize),
     #[error("{0} names no vertex; they are numbered from 0")]
@@ -126,9 +141,8 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
     if !classes.is_empty() && classes.len() != streets.len() {
         return Err(Defect::ClassCount(classes.len(), streets.len()).at("classes"));
     }
-    if let Some(window) = &window {
-        check_window(window)?;
-    }
+    let buildings = window.as_ref().map(|window| check_window(window).and_then(|()| buildings(&window.buildings)));
+    let buildings = buildings.transpose()?.unwrap_or_default();
     let places = places(&vertices)?;
     let edges = edges(&streets, &main, &classes, places.len())?;
     let around = around(places.len(), &edges);
@@ -177,6 +191,7 @@ pub(super) fn check_patch(drawing: PatchDrawing) -> Result<Patch, Refused> {
             map: w.map,
             at: w.at.into(),
             turned: w.turned_deg.to_radians(),
+            buildings,
         }),
     };
     let found = patch.find_tags();
@@ -197,6 +212,38 @@ fn check_window(window: &WindowDrawing) -> Result<(), Refused> {
         Some((field, value, allowed)) => Err(Defect::Window(field, value, allowed).at(format!("window.{field}"))),
         None => Ok(()),
     }
+}
+
+/// The buildings of a window.
+fn buildings(drawings: &[BuildingDrawing]) -> Result<Vec<PatchBuilding>, Refused> {
+    let building = |(i, drawing): (usize, &BuildingDrawing)| {
+        let BuildingDrawing { outline, height, storeys } = drawing;
+        let refused = |field: &str, defect: Defect| Err(defect.at(format!("window.buildings[{i}].{field}")));
+        if !CORNERS.contains(&outline.len()) {
+            return refused("outline", Defect::Corners(i, outline.len()));
+        }
+        if let Some(far) = outline.iter().flat_map(|p| [p.0, p.1]).find(|x| !(-REACH..=REACH).contains(x)) {
+            return refused("outline", Defect::BuildingAt(i, far));
+        }
+        let mut outline: Vec<DVec2> = outline.iter().map(|p| DVec2::from(*p)).collect();
+        let area = signed_area(&outline);
+        if area.abs() < LEAST_BUILDING || !is_simple(&outline) {
+            return refused("outline", Defect::NoOutline(i));
+        }
+        if area < 0.0 {
+            outline.reverse();
+        }
+        if let Some(height) = height.filter(|height| !HEIGHTS.contains(height)) {
+            let allowed = (*HEIGHTS.start(), *HEIGHTS.end());
+            return refused("height", Defect::BuildingValue(i, "height", height, allowed));
+        }
+        if let Some(storeys) = storeys.filter(|storeys| !STOREYS.contains(storeys)) {
+            let allowed = (f64::from(*STOREYS.start()), f64::from(*STOREYS.end()));
+            return refused("storeys", Defect::BuildingValue(i, "storeys", f64::from(storeys), allowed));
+        }
+        Ok(PatchBuilding { outline, height: *height, storeys: *storeys })
+    };
+    drawings.iter().enumerate().map(building).collect()
 }
 
 /// Whether a tag is lower-case words joined by `-`.

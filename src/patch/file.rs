@@ -66,6 +66,23 @@ pub struct WindowDrawing {
     /// Angle of the window's x axis in the map, in degrees, counter-clockwise from east.
     #[serde(default)]
     pub turned_deg: f64,
+    /// The buildings whose middles lie in the window or its margin.
+    #[serde(default)]
+    pub buildings: Vec<BuildingDrawing>,
+}
+
+/// A building of a window, as a file has it.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Building", deny_unknown_fields)]
+pub struct BuildingDrawing {
+    /// Corners of its outline, three or more.
+    pub outline: Vec<(f64, f64)>,
+    /// Height of its walls in metres, where it is known.
+    #[serde(default)]
+    pub height: Option<f64>,
+    /// Its storeys, where they are known.
+    #[serde(default)]
+    pub storeys: Option<u32>,
 }
 
 fn usual_weight() -> f64 {

@@ -56,6 +56,7 @@
 //!         map: "old-town",      // where it is from: name, middle and angle
 //!         at: (120, -40),
 //!         turned_deg: 0,
+//!         buildings: [(outline: [(20, 25), (32, 25), (32, 34), (20, 34)], height: 7.5, storeys: 2)],   // whose middles lie in it
 //!     ),
 //! )
 //! ```
@@ -88,9 +89,9 @@ pub use check::{DrawingError, DrawingErrorKind};
 pub use database::{Passage, PatchDatabase, PatchFacts, PatternEntry};
 pub(crate) use drawing::keeps_rules;
 pub use drawing::{DrawingRules, Flaw, STRETCH};
-pub use file::{Line, PatchDrawing, WindowDrawing};
+pub use file::{BuildingDrawing, Line, PatchDrawing, WindowDrawing};
 pub use semantics::MainLine;
-pub use set::{Connectable, Pair, Patch, PatchEdge, PatchSet, PatchWindow, Pattern};
+pub use set::{Connectable, Pair, Patch, PatchBuilding, PatchEdge, PatchSet, PatchWindow, Pattern};
 pub(crate) use shape::in_sectors;
 pub use shape::{ArmSample, LEAST_ARM, PatchShape, PatchView, SECTORS, SectorReach};
 #[cfg(feature = "cli")]

@@ -84,6 +84,19 @@ pub struct PatchWindow {
     pub at: DVec2,
     /// Angle of the window's x axis in the map, in radians, counter-clockwise from east.
     pub turned: f64,
+    /// The buildings whose middles lie in the window or its margin.
+    pub buildings: Vec<PatchBuilding>,
+}
+
+/// A building of a window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchBuilding {
+    /// Outline in metres from the middle of the window, counter-clockwise.
+    pub outline: Vec<DVec2>,
+    /// Height of its walls in metres, where it is known.
+    pub height: Option<f64>,
+    /// Its storeys, where they are known.
+    pub storeys: Option<u32>,
 }
 
 /// A patch repeated along a street.

@@ -1,7 +1,7 @@
 //! Writing patch sets.
 
 use crate::network::StreetClass;
-use crate::patch::file::{Line, PatchDrawing, WindowDrawing};
+use crate::patch::file::{BuildingDrawing, Line, PatchDrawing, WindowDrawing};
 use std::fmt::Write;
 
 /// The text of a patch set with these patches, each on lines of its own; [`PatchSet::from_ron`](crate::patch::PatchSet::from_ron)
@@ -19,8 +19,7 @@ pub fn to_ron(patches: &[PatchDrawing]) -> String {
 fn write_patch(out: &mut String, patch: &PatchDrawing) -> std::fmt::Result {
     let PatchDrawing { name, vertices, streets, main, classes, dead_ends, tags, weight, at_most, window } = patch;
     writeln!(out, "        (\n            name: {},", quoted(name))?;
-    let points: Vec<String> = vertices.iter().map(|(x, y)| format!("({}, {})", metres(*x), metres(*y))).collect();
-    writeln!(out, "            vertices: [{}],", points.join(", "))?;
+    writeln!(out, "            vertices: {},", points(vertices))?;
     for (field, lines) in [("streets", streets), ("main", main)] {
         if !lines.is_empty() {
             let lines: Vec<String> = lines.iter().map(|Line(line)| format!("{line:?}")).collect();
@@ -43,15 +42,41 @@ fn write_patch(out: &mut String, patch: &PatchDrawing) -> std::fmt::Result {
     if let Some(most) = at_most {
         writeln!(out, "            at_most: {most},")?;
     }
-    if let Some(WindowDrawing { size, margin, map, at, turned_deg }) = window {
+    if let Some(WindowDrawing { size, margin, map, at, turned_deg, buildings }) = window {
         let at = format!("({}, {})", metres(at.0), metres(at.1));
         let (size, margin, map) = (metres(*size), metres(*margin), quoted(map));
-        writeln!(
+        write!(
             out,
-            "            window: (size: {size}, margin: {margin}, map: {map}, at: {at}, turned_deg: {turned_deg}),"
+            "            window: (size: {size}, margin: {margin}, map: {map}, at: {at}, turned_deg: {turned_deg}"
         )?;
+        if !buildings.is_empty() {
+            writeln!(out, ", buildings: [")?;
+            for building in buildings {
+                write_building(out, building)?;
+            }
+            write!(out, "            ]")?;
+        }
+        writeln!(out, "),")?;
     }
     writeln!(out, "        ),")
+}
+
+fn write_building(out: &mut String, building: &BuildingDrawing) -> std::fmt::Result {
+    let BuildingDrawing { outline, height, storeys } = building;
+    write!(out, "                (outline: {}", points(outline))?;
+    if let Some(height) = height {
+        write!(out, ", height: {}", metres(*height))?;
+    }
+    if let Some(storeys) = storeys {
+        write!(out, ", storeys: {storeys}")?;
+    }
+    writeln!(out, "),")
+}
+
+/// A list of points.
+fn points(points: &[(f64, f64)]) -> String {
+    let points: Vec<String> = points.iter().map(|(x, y)| format!("({}, {})", metres(*x), metres(*y))).collect();
+    format!("[{}]", points.join(", "))
 }
 
 /// A number with as many places as it needs, at most two.
@@ -94,6 +119,18 @@ mod tests {
                 map: "m".into(),
                 at: (5.0, -7.5),
                 turned_deg: 12.5,
+                buildings: vec![
+                    BuildingDrawing {
+                        outline: vec![(5.0, 8.0), (15.0, 8.0), (15.0, 14.5)],
+                        height: Some(7.25),
+                        storeys: None,
+                    },
+                    BuildingDrawing {
+                        outline: vec![(-5.0, 8.0), (-5.0, 18.0), (-15.0, 14.5)],
+                        height: None,
+                        storeys: Some(2),
+                    },
+                ],
             }),
         };
         let text = to_ron(std::slice::from_ref(&drawing));

@@ -27,7 +27,7 @@ pub use geometry::{
 };
 pub use pole::pole;
 pub use polyline::{
-    Measured, centroid, closest_on_line, cut_line, distance_to_line, line_length, point_at, point_in_polygon,
-    polygon_distance, resample, segments, signed_area, simplify_line,
+    Measured, centroid, closest_on_line, cut_line, distance_to_line, is_simple, line_length, point_at,
+    point_in_polygon, polygon_distance, resample, segments, signed_area, simplify_line,
 };
 pub use seed::{Seed, Stream, stable_hash};

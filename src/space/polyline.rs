@@ -1,7 +1,7 @@
 //! Polylines and simple polygons as slices of points. A polygon is open (its last point is not its first); one with
 //! positive area runs counter-clockwise.
 
-use crate::space::{closest_on_segment, segment_distance};
+use crate::space::{closest_on_segment, orient, segment_crossing, segment_distance};
 use glam::DVec2;
 
 /// The segments of a polyline, in order.
@@ -163,6 +163,22 @@ pub fn point_in_polygon(p: DVec2, polygon: &[DVec2]) -> bool {
     inside
 }
 
+/// Whether the border of a polygon crosses and touches itself nowhere.
+pub fn is_simple(polygon: &[DVec2]) -> bool {
+    let edges: Vec<(DVec2, DVec2)> = polygon_edges(polygon).collect();
+    let n = edges.len();
+    let meets = |i: usize, k: usize| {
+        let ((a, b), (c, d)) = (edges[i], edges[k]);
+        if k == i + 1 || (i == 0 && k + 1 == n) {
+            // Edges side by side share a corner; one may fold back on the other.
+            let (before, at, after) = if k == i + 1 { (a, b, d) } else { (c, d, b) };
+            return orient(before, at, after) == 0.0 && (before - at).dot(after - at) >= 0.0;
+        }
+        segment_crossing(a, b, c, d).is_some()
+    };
+    n > 2 && (0..n).all(|i| (i + 1..n).all(|k| !meets(i, k)))
+}
+
 /// Distance in metres from segment `a`-`b` to the border of a polygon, 0 when they meet.
 pub fn polygon_distance(a: DVec2, b: DVec2, polygon: &[DVec2]) -> f64 {
     polygon_edges(polygon).map(|(c, d)| segment_distance(a, b, c, d)).fold(f64::INFINITY, f64::min)
@@ -171,6 +187,18 @@ pub fn polygon_distance(a: DVec2, b: DVec2, polygon: &[DVec2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn outlines_that_cross_or_touch_themselves_are_not_simple() {
+        let simple = |points: &[(f64, f64)]| is_simple(&points.iter().map(|p| DVec2::from(*p)).collect::<Vec<_>>());
+        assert!(simple(&[(0., 0.), (4., 0.), (4., 4.)]) && simple(&[(0., 0.), (4., 0.), (1., 1.), (0., 4.)]));
+        assert!(simple(&[(0., 0.), (2., 0.), (4., 0.), (4., 4.), (0., 4.)]), "a point on a straight edge");
+        assert!(!simple(&[(0., 0.), (4., 4.), (4., 0.), (0., 4.)]), "a bow tie");
+        assert!(!simple(&[(0., 0.), (8., 0.), (8., 4.), (4., 0.), (0., 4.)]), "a corner on another edge");
+        assert!(!simple(&[(0., 0.), (8., 0.), (4., 0.), (4., 4.)]), "an edge that folds back");
+        assert!(!simple(&[(4., 0.), (4., 4.), (0., 0.), (8., 0.)]), "the same at the seam of the list");
+        assert!(!simple(&[(0., 0.), (4., 0.)]) && !simple(&[]));
+    }
 
     #[test]
     fn lines_and_polygons() {

@@ -48,18 +48,37 @@ pub fn area(map: &Map, chunk_size: i64) -> Area {
     });
     let bounds = map.bounds;
     let mut area = lines(bounds, streets, chunk_size);
+    build(
+        &mut area,
+        map.buildings.iter().map(|b| Building { outline: &b.outline, height: b.height, storeys: b.storeys }),
+    );
+    area
+}
+
+/// A building of a map.
+pub struct Building<'a> {
+    /// Outline in the plan's metres.
+    pub outline: &'a [DVec2],
+    /// Height in metres, where it is known.
+    pub height: Option<f64>,
+    /// Storeys, where they are known.
+    pub storeys: Option<u32>,
+}
+
+/// Puts buildings into an area, on land that may be built on.
+pub fn build<'a>(area: &mut Area, buildings: impl Iterator<Item = Building<'a>>) {
+    let bounds = area.bounds;
     let origin = Origin::at(bounds.centre());
     let owner = ChunkCoord::new(0, 0);
     let corners =
         [bounds.min, DVec2::new(bounds.max.x, bounds.min.y), bounds.max, DVec2::new(bounds.min.x, bounds.max.y)];
     let polygon = corners.map(|p| origin.to_local(p)).to_vec();
     area.blocks.push(Owned { chunk: owner, item: Block { id: 0, polygon, land_use: BlockUse::Built } });
-    for (i, building) in map.buildings.iter().enumerate() {
+    for (i, building) in buildings.enumerate() {
         let polygon = building.outline.iter().map(|p| origin.to_local(*p)).collect();
         let storeys = building.storeys.unwrap_or(STOREYS);
         let height = building.height.unwrap_or(f64::from(storeys) * STOREY_HEIGHT);
         let item = Footprint { id: i as u64, lot: 0, polygon, storeys, base: 0.0, height };
         area.footprints.push(Owned { chunk: owner, item });
     }
-    area
 }

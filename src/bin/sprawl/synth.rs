@@ -1,6 +1,6 @@
 //! `sprawl synth`: a square made from maps, without a world.
 
-use crate::beside::{self, Plain};
+use crate::beside::{self, Building, Plain};
 use crate::common::{Common, Flag};
 use crate::extract::{extract, map_name};
 use crate::fail::{Fail, refuse_unused};
@@ -10,7 +10,7 @@ use crate::text;
 use crate::values::{Turn, number, size, turn};
 use crate::work;
 use bevy_sprawl::export::svg::MapStyle;
-use bevy_sprawl::export::{self, Plan};
+use bevy_sprawl::export::{self, Plan, osm};
 use bevy_sprawl::layer::Cancel;
 use bevy_sprawl::map::ExtractOptions;
 use bevy_sprawl::network::Side;
@@ -23,6 +23,9 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Least length of streets in a window, in metres.
+const LEAST_STREETS: f64 = 40.0;
 
 #[derive(Args)]
 pub struct SynthArgs {
@@ -49,12 +52,15 @@ pub struct SynthArgs {
     /// Angle of tiles in the map, in degrees counter-clockwise from east, or auto: as most streets run [default: auto]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = turn)]
     pub turn: Option<Turn>,
-    /// Use tiles only as they lie in the map, not by quarter turns, too
+    /// Use tiles by quarter turns, too, not only as they lie in the map
     #[arg(long)]
-    pub unturned: bool,
+    pub quarter_turns: bool,
     /// Draw the first map beside it at the same scale, in an SVG or PNG
     #[arg(long)]
     pub beside: bool,
+    /// Buildings in an OSM file too; some readers take every way for a street
+    #[arg(long)]
+    pub everything: bool,
     /// Width and height of an SVG or PNG [default: 1600]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub pixels: Option<u32>,
@@ -76,6 +82,7 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
         ("--beside", "a picture: a name that ends in .svg or .png", args.beside && !picture),
         ("--beside", "a map as its first file, not a patch set", args.beside && is_set(&args.maps[0])),
         ("--pixels", "a picture: a name that ends in .svg or .png", args.pixels.is_some() && !picture),
+        ("--everything", "an OSM file: a name that ends in .osm", args.everything && format != Format::Osm),
         ("--tile", tiles, args.tile.is_some() && all_sets),
         ("--interval", tiles, args.interval.is_some() && all_sets),
         ("--margin", tiles, args.margin.is_some() && all_sets),
@@ -83,7 +90,7 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
     ])?;
     let patches = patches(common, args)?;
     let named = patches.iter().map(|patch| (patch, Arc::from(patch.name.as_str())));
-    let table = TileTable::new(named, !args.unturned);
+    let table = TileTable::new(named, args.quarter_turns);
     if table.is_empty() {
         return Err(Fail::input("no window of a map is among the patches; extract windows, not pieces"));
     }
@@ -92,7 +99,11 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
     let made = synthesize(&table, args.size, Seed(common.seed()), &Cancel::new())?;
     let seconds = start.elapsed().as_secs_f64();
     let bounds = Bounds::square(DVec2::ZERO, args.size);
-    let area = export::streets(bounds, &made.network, CHUNK_SIZE);
+    let mut area = export::streets(bounds, &made.network, CHUNK_SIZE);
+    beside::build(
+        &mut area,
+        made.buildings.iter().map(|b| Building { outline: &b.outline, height: b.height, storeys: b.storeys }),
+    );
     let plan = Plan {
         area: &area,
         outlines: &[],
@@ -114,7 +125,10 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
             let [ours, theirs] = ["made from it", "a real map"].map(|title| MapStyle { title, ..style });
             write_pair([(&plan, &ours), (&real, &theirs)], format, &mut file)?;
         }
-        None => write(&plan, format, &style, FileOptions::default(), &mut file)?,
+        None => {
+            let osm = osm::Options { everything: args.everything, origin: None };
+            write(&plan, format, &style, FileOptions { osm, ..FileOptions::default() }, &mut file)?;
+        }
     }
     let bytes = file.finish()?;
     report(common, args, &made, patches.len(), seconds, bytes)
@@ -129,6 +143,8 @@ fn patches(common: &Common, args: &SynthArgs) -> Result<Vec<Arc<Patch>>, Fail> {
         interval: args.interval.unwrap_or(usual.interval),
         margin: args.margin.unwrap_or(usual.margin),
         turn_deg: args.turn.and_then(|turn| turn.0),
+        // Thin places of a map are a part of it, too.
+        least_streets: LEAST_STREETS,
         // What a map has often is chosen often.
         keep_duplicates: true,
         ..usual
@@ -158,7 +174,7 @@ fn report(
         "file": args.output.to_string_lossy(), "seconds": (seconds * 1e6).round() / 1e6,
         "area_km2": args.size * args.size / 1e6, "street_km": (metres / 10.0).round() / 100.0,
         "junctions": junctions, "dead_ends": made.dead_ends, "components": made.components,
-        "mismatched_seams": made.mismatched_seams, "buildings": 0, "patches": patches, "tiles": made.tiles,
+        "mismatched_seams": made.mismatched_seams, "buildings": made.buildings.len(), "patches": patches, "tiles": made.tiles,
         "repeats_within_400_m": made.repeats, "bytes": bytes,
     });
     let names: Vec<String> = args.maps.iter().map(|path| map_name(path)).collect();

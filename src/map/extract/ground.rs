@@ -4,21 +4,27 @@ use super::tidy::tidy;
 use crate::map::model::Map;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::space::math::{angle_of, rotate};
-use crate::space::{Bounds, segment_crossing};
+use crate::space::{Bounds, centroid, distance_to_segment, is_simple, segment_crossing};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
 /// Places this near to each other are one, in metres.
 const WELD: f64 = 0.5;
-/// Width in metres of the bands of a map in which the lengths of streets are compared.
+/// Width in metres of the bands of a map in which the numbers of junctions are compared.
 const BAND: f64 = 50.0;
 /// Number of bands on either side with which a band is compared.
 const SMOOTH: i64 = 3;
-/// Share of the usual length of streets in a band below which the band lies outside of the map.
+/// Share of the usual number of junctions around a band below which the band lies outside of the map.
 const THIN: f64 = 0.25;
+/// Maps with fewer junctions are taken as a whole.
+const FEW: usize = 12;
 /// Greatest number of bands from one that lies in the map to the next.
 const WIDEST_GAP: i64 = 6;
+/// Edge of the squares by which buildings are found, in metres.
+const SQUARE: f64 = 100.0;
+/// Corners of buildings this near to the line between those beside them do not show, in metres.
+const FLAT_CORNER: f64 = 0.05;
 /// Least share of the streets' length that must agree on a direction for it to be that of the map.
 const AGREED: f64 = 0.12;
 
@@ -32,6 +38,17 @@ pub(super) struct Ground {
     pub middle: DVec2,
     /// Angle of the frame's x axis in the map, in radians.
     pub turned: f64,
+    /// Buildings by the squares of [`SQUARE`] metres that their middles lie in.
+    buildings: BTreeMap<(i64, i64), Vec<GroundBuilding>>,
+}
+
+/// A building, in the frame of a [`Ground`].
+pub(super) struct GroundBuilding {
+    pub outline: Vec<DVec2>,
+    /// Centre of its area.
+    pub middle: DVec2,
+    pub height: Option<f64>,
+    pub storeys: Option<u32>,
 }
 
 impl Ground {
@@ -54,7 +71,23 @@ impl Ground {
                 }
             }
         }
-        Self { graph: tidy(&graph), covered, middle, turned }
+        let mut buildings: BTreeMap<(i64, i64), Vec<GroundBuilding>> = BTreeMap::new();
+        for building in &map.buildings {
+            let outline: Vec<DVec2> = building.outline.iter().map(|p| rotate(*p - middle, -turned)).collect();
+            let outline = without_flat_corners(&outline);
+            let at = centroid(&outline);
+            let (height, storeys) = (building.height, building.storeys);
+            buildings.entry(square_of(at)).or_default().push(GroundBuilding { outline, middle: at, height, storeys });
+        }
+        Self { graph: tidy(&graph), covered, middle, turned, buildings }
+    }
+
+    /// The buildings whose middles lie in a box, in a fixed order.
+    pub fn buildings_in(&self, bounds: Bounds) -> impl Iterator<Item = &GroundBuilding> {
+        let (low, high) = (square_of(bounds.min), square_of(bounds.max));
+        let squares = (low.1..=high.1).flat_map(move |y| (low.0..=high.0).map(move |x| (x, y)));
+        let near = squares.filter_map(|square| self.buildings.get(&square)).flatten();
+        near.filter(move |building| bounds.contains(building.middle))
     }
 
     /// The box around the covered part of the map, in this frame.
@@ -85,6 +118,23 @@ impl Ground {
     }
 }
 
+/// The square of [`Ground::buildings`] in which a point lies.
+fn square_of(p: DVec2) -> (i64, i64) {
+    let square = (p / SQUARE).floor().as_i64vec2();
+    (square.x, square.y)
+}
+
+/// An outline without the corners at which it does not turn.
+fn without_flat_corners(outline: &[DVec2]) -> Vec<DVec2> {
+    let n = outline.len();
+    let is_corner = |i: &usize| {
+        let (before, after) = (outline[(i + n - 1) % n], outline[(i + 1) % n]);
+        distance_to_segment(outline[*i], before, after) > FLAT_CORNER
+    };
+    let corners: Vec<DVec2> = (0..n).filter(is_corner).map(|i| outline[i]).collect();
+    if is_simple(&corners) { corners } else { outline.to_vec() }
+}
+
 /// The class that a street has in a town; `None` for motorways, which are none of its streets.
 fn class(class: StreetClass, highway: &str) -> Option<StreetClass> {
     match class {
@@ -96,32 +146,36 @@ fn class(class: StreetClass, highway: &str) -> Option<StreetClass> {
     }
 }
 
-/// The box that a map covers: along each axis, where streets are about as dense as in most of the map. Ways that reach far out of
-/// an extract are thin.
+/// The box that a map covers: along each axis, where junctions are about as dense as in most of the map. Ways that reach far out of an
+/// extract meet no others there.
 fn dense_bounds(map: &Map) -> Bounds {
-    let range = |axis: usize| {
-        let mut lengths: BTreeMap<i64, f64> = BTreeMap::new();
-        for street in &map.streets {
-            for &[a, b] in map.line(street).array_windows() {
-                // Long straight streets count in each band that they pass.
-                let parts = (a.distance(b) / BAND).ceil().max(1.0) as usize;
-                for i in 0..parts {
-                    let at = a.lerp(b, (i as f64 + 0.5) / parts as f64)[axis];
-                    *lengths.entry((at / BAND).floor() as i64).or_default() += a.distance(b) / parts as f64;
-                }
-            }
+    let mut degrees = vec![0u32; map.nodes.len()];
+    for street in &map.streets {
+        for &[a, b] in street.nodes.array_windows() {
+            degrees[a as usize] += 1;
+            degrees[b as usize] += 1;
         }
-        // One street along a band, or none, does not say how dense they are.
-        let around = |band: i64| lengths.range(band - SMOOTH..=band + SMOOTH).map(|(_, length)| length).sum::<f64>();
-        let mut sorted: Vec<(f64, f64)> = lengths.iter().map(|(band, length)| (around(*band), *length)).collect();
+    }
+    let junctions: Vec<DVec2> =
+        map.nodes.iter().zip(degrees).filter(|(_, d)| *d > 2).map(|(node, _)| node.at).collect();
+    if junctions.len() < FEW {
+        return map.bounds;
+    }
+    let range = |axis: usize| {
+        let mut counts: BTreeMap<i64, f64> = BTreeMap::new();
+        for at in &junctions {
+            *counts.entry((at[axis] / BAND).floor() as i64).or_default() += 1.0;
+        }
+        let around = |band: i64| counts.range(band - SMOOTH..=band + SMOOTH).map(|(_, count)| count).sum::<f64>();
+        let mut sorted: Vec<(f64, f64)> = counts.iter().map(|(band, count)| (around(*band), *count)).collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut sum, half) = (0.0, lengths.values().sum::<f64>() / 2.0);
-        let usual = sorted.into_iter().find(|(_, length)| {
-            sum += length;
+        let (mut sum, half) = (0.0, counts.values().sum::<f64>() / 2.0);
+        let usual = sorted.into_iter().find(|(_, count)| {
+            sum += count;
             sum >= half
         });
         let least = THIN * usual.map_or(0.0, |(around, _)| around);
-        let dense: Vec<i64> = lengths.keys().copied().filter(|band| around(*band) >= least).collect();
+        let dense: Vec<i64> = counts.keys().copied().filter(|band| around(*band) >= least).collect();
         // The longest run of dense bands without a wide gap.
         let mut runs: Vec<(i64, i64)> = Vec::new();
         for band in dense {
@@ -132,10 +186,10 @@ fn dense_bounds(map: &Map) -> Bounds {
         }
         let mut longest = runs.into_iter().max_by_key(|run| run.1 - run.0).unwrap_or((0, 0));
         // Bands at its ends are dense for what lies beside them.
-        let mut own: Vec<f64> = lengths.range(longest.0..=longest.1).map(|(_, length)| *length).collect();
+        let mut own: Vec<f64> = counts.range(longest.0..=longest.1).map(|(_, count)| *count).collect();
         own.sort_by(f64::total_cmp);
         let least = THIN * own.get(own.len() / 2).copied().unwrap_or(0.0);
-        let is_thin = |band: i64| lengths.get(&band).is_none_or(|length| *length < least);
+        let is_thin = |band: i64| counts.get(&band).is_none_or(|count| *count < least);
         while longest.0 < longest.1 && is_thin(longest.0) {
             longest.0 += 1;
         }

@@ -2,11 +2,11 @@
 
 use super::drawing::draw;
 use super::found::MapPatches;
-use super::ground::Ground;
+use super::ground::{Ground, GroundBuilding};
 use super::options::{ExtractOptions, NoPatch};
 use super::shape::Shape;
 use crate::network::{PlanarGraph, StreetClass, VertexIx};
-use crate::patch::{Patch, PatchDrawing, PatchWindow, WindowDrawing};
+use crate::patch::{BuildingDrawing, Patch, PatchDrawing, PatchWindow, WindowDrawing};
 use crate::space::Bounds;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -43,10 +43,21 @@ pub(super) fn extract(ground: &Ground, options: &ExtractOptions, out: &mut MapPa
                 map: out.map.clone(),
                 at: at.into(),
                 turned_deg: ground.turned.to_degrees(),
+                buildings: buildings(ground, middle, half + options.margin),
             };
             out.add(PatchDrawing { window: Some(window), ..drawing }, |patch| Ok(shape(patch)));
         }
     }
+}
+
+/// The buildings whose middles lie within `half` metres of a point along both axes, in metres from that point.
+fn buildings(ground: &Ground, middle: DVec2, half: f64) -> Vec<BuildingDrawing> {
+    let drawing = |building: &GroundBuilding| BuildingDrawing {
+        outline: building.outline.iter().map(|p| ((*p - middle) * 100.0).round() / 100.0).map(DVec2::into).collect(),
+        height: building.height,
+        storeys: building.storeys,
+    };
+    ground.buildings_in(Bounds::square(middle, 2.0 * half)).map(drawing).collect()
 }
 
 /// The streets in a square, in metres from its middle.

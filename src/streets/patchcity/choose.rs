@@ -1,34 +1,34 @@
 //! Which tile comes next: the one whose streets go on those of the tiles beside it (equations 5 to 7), moved in the neighbourhood
 //! of its place in the map until they go on best.
 
-use super::cost::{pairs, side_cost};
+use super::cost::{pair_weight, pairs, side_cost};
 use super::side::{Crossing, Side};
-use super::table::TileTable;
+use super::table::{Choice, TileTable};
 use crate::space::Stream;
 use glam::DVec2;
 
 /// Number of tiles that are compared closely.
 const CLOSE: usize = 8;
 /// Distance in metres at which a crossing that stays alone costs as much as a pair.
-pub const ALONE: f32 = 60.0;
+pub const ALONE: f32 = 30.0;
 /// Cost of showing a part of a map twice: as much as local streets that are 10 m off.
 const SEEN_TWICE: f32 = 100.0 * 36.0;
+/// Cost of going on in the map where a tile beside is from: what fits as well from elsewhere is new.
+const SAME_PLACE: f32 = 1200.0;
 /// Costs less than this apart are the same: streets that are off by centimetres.
 const SAME: f32 = 4.0;
-
-/// A tile and how it is moved over its map, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
-    /// Number of the tile.
-    pub tile: u32,
-    /// How far its window is moved.
-    pub shift: DVec2,
-}
+/// Where no tile with as many streets at its sides costs less than this, others are tried: as much as a local street that stays
+/// alone.
+const POOR: f32 = ALONE * ALONE * 36.0;
+/// Greatest number of tiles with other numbers of streets that are tried.
+const OTHERS: usize = 1500;
 
 /// What is asked of a tile.
 pub struct Asked<'a> {
     /// For each side where streets cross it, if the tile beside it is there.
     pub sides: [Option<&'a [Crossing]>; 4],
+    /// Choices that go on in the map where a tile beside is from.
+    pub onward: &'a [Choice],
     /// Cost of a tile besides its sides, such as for ports that it should reach.
     pub also: &'a dyn Fn(u32) -> f32,
     /// How a tile would be seen twice here: 0 not at all, 1 in part, 2 as a whole.
@@ -44,6 +44,10 @@ impl Best {
         if self.0.len() < CLOSE { f32::INFINITY } else { self.0[CLOSE - 1].0 }
     }
 
+    fn least(&self) -> f32 {
+        self.0.first().map_or(f32::INFINITY, |best| best.0)
+    }
+
     fn add(&mut self, cost: f32, tile: u32) {
         let place = self.0.partition_point(|x| x.0 <= cost);
         self.0.insert(place, (cost, tile));
@@ -51,25 +55,30 @@ impl Best {
     }
 }
 
-/// The tile that fits best; `None` if the table has no tile.
-pub fn choose(table: &TileTable, asked: &Asked<'_>, rng: &mut Stream) -> Option<Choice> {
+/// The tile that fits best, with its cost; `None` if the table has no tile.
+pub fn choose(table: &TileTable, asked: &Asked<'_>, rng: &mut Stream) -> Option<(f32, Choice)> {
     let count = |side: Side| asked.sides[side as usize].map(<[Crossing]>::len);
     let same_counts = table.with_counts(count(Side::West), count(Side::South));
     let all = table.with_counts(None, None);
+    let onward = asked.onward.iter().filter(|choice| (asked.repeats)(choice.tile) < 2);
+    let mut choices: Vec<(f32, Choice)> =
+        onward.map(|choice| (cost(table, asked, *choice) + SAME_PLACE, *choice)).collect();
+    let goes_on = choices.iter().any(|choice| choice.0 < POOR);
     let mut best = Best(Vec::new());
     // Streets that do not go on rather than a tile that is seen twice.
-    for (tiles, most_repeats) in [(same_counts, 1), (all, 1), (all, 2)] {
-        if best.0.is_empty() {
+    for (tiles, most, most_repeats) in [(same_counts, same_counts.len(), 1), (all, OTHERS, 1), (all, OTHERS, 2)] {
+        let is_enough = if most_repeats > 1 { !best.0.is_empty() || goes_on } else { best.least() < POOR || goes_on };
+        if best.0.is_empty() && most_repeats == 1 && most != OTHERS || !is_enough {
             // Of tiles that cost the same, those that come first are kept: no place in a map may always come first.
             let (before, after) = tiles.split_at(rng.index(tiles.len().max(1)));
-            gather(table, after.iter().chain(before), asked, most_repeats, &mut best);
+            gather(table, after.iter().chain(before).take(most), asked, most_repeats, &mut best);
         }
     }
-    let mut choices: Vec<(f32, Choice)> = best.0.iter().map(|(_, tile)| moved(table, asked, *tile)).collect();
+    choices.extend(best.0.iter().map(|(_, tile)| moved(table, asked, *tile)));
     choices.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = choices.first()?.0;
     let equal = choices.iter().take_while(|c| c.0 <= least + SAME).count();
-    choices.get(rng.index(equal)).map(|c| c.1)
+    choices.get(rng.index(equal)).copied()
 }
 
 /// Compares tiles that are no more repeats than allowed.
@@ -81,12 +90,7 @@ fn gather<'a>(
     best: &mut Best,
 ) {
     for &tile in tiles {
-        let mut cost = 0.0;
-        for side in Side::ALL {
-            if let Some(fixed) = asked.sides[side as usize] {
-                cost += cost_of_side(fixed, table.side(tile, side));
-            }
-        }
+        let mut cost = estimate(table, asked, tile);
         if cost >= best.bar() {
             continue;
         }
@@ -101,8 +105,57 @@ fn gather<'a>(
     }
 }
 
+/// How streets along sides are off along an axis: what a move of the tile does to their cost.
+#[derive(Clone, Copy, Default)]
+struct Off {
+    weight: f32,
+    sum: f32,
+    squares: f32,
+}
+
+impl Off {
+    fn add(&mut self, fixed: Crossing, own: Crossing, weight: f32) {
+        let off = own.at - fixed.at;
+        self.weight += weight;
+        self.sum += weight * off;
+        self.squares += weight * off * off;
+    }
+
+    /// The move within `margin` metres that makes the cost least.
+    fn shift(&self, margin: f32) -> f32 {
+        if self.weight > 0.0 { (self.sum / self.weight).clamp(-margin, margin) } else { 0.0 }
+    }
+
+    /// The cost after that move.
+    fn least(&self, margin: f32) -> f32 {
+        let shift = self.shift(margin);
+        (self.squares - 2.0 * shift * self.sum + shift * shift * self.weight).max(0.0)
+    }
+}
+
+/// The cost of a tile's sides once it is moved as well as it may be, as if its streets crossed the sides at right angles.
+fn estimate(table: &TileTable, asked: &Asked<'_>, tile: u32) -> f32 {
+    let mut off = [Off::default(); 2];
+    let mut rest = 0.0;
+    for side in Side::ALL {
+        let Some(fixed) = asked.sides[side as usize] else { continue };
+        let own = table.side(tile, side);
+        if fixed.len() != own.len() {
+            rest += cost_of_side(fixed, own);
+            continue;
+        }
+        for (a, b) in fixed.iter().zip(own) {
+            let (weight, wider) = pair_weight(*a, *b);
+            off[1 - side.axis()].add(*a, *b, weight);
+            rest += wider;
+        }
+    }
+    let margin = table.window(tile).margin as f32;
+    rest + off[0].least(margin) + off[1].least(margin)
+}
+
 /// Cost of a side, also where the numbers of streets differ.
-fn cost_of_side(fixed: &[Crossing], own: &[Crossing]) -> f32 {
+pub fn cost_of_side(fixed: &[Crossing], own: &[Crossing]) -> f32 {
     if fixed.len() == own.len() {
         return side_cost(fixed, own);
     }
@@ -117,36 +170,34 @@ fn cost_of_side(fixed: &[Crossing], own: &[Crossing]) -> f32 {
         + alone(own, &|k| together.iter().any(|pair| pair.1 == k))
 }
 
+/// Cost of a choice.
+fn cost(table: &TileTable, asked: &Asked<'_>, choice: Choice) -> f32 {
+    let sides = table.window(choice.tile).crossings(table.tile(choice.tile).turns, choice.shift);
+    let fixed = asked.sides.iter().zip(&sides);
+    let cost: f32 = fixed.filter_map(|(fixed, own)| Some(cost_of_side((*fixed)?, own))).sum();
+    let repeats = if (asked.repeats)(choice.tile) > 0 { SEEN_TWICE } else { 0.0 };
+    cost + repeats + (asked.also)(choice.tile)
+}
+
 /// A tile with its cost, moved within its margin so that its streets go on those beside it, if that makes the cost less: the search
 /// in the neighbourhood of a tile's place in the map that the paper proposes (section 4).
 fn moved(table: &TileTable, asked: &Asked<'_>, tile: u32) -> (f32, Choice) {
-    let cost = |sides: &[&[Crossing]; 4]| -> f32 {
-        let fixed = asked.sides.iter().zip(sides);
-        fixed.filter_map(|(fixed, own)| Some(cost_of_side((*fixed)?, own))).sum()
-    };
-    let also = (asked.also)(tile);
-    let own = Side::ALL.map(|side| table.side(tile, side));
-    let unmoved = (cost(&own) + also, Choice { tile, shift: DVec2::ZERO });
-    let window = table.window(tile);
-    let mut shift = DVec2::ZERO;
-    for axis in 0..2 {
-        // Along the sides that lie across the other axis.
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for side in Side::ALL.into_iter().filter(|side| side.axis() != axis) {
-            let Some(fixed) = asked.sides[side as usize] else { continue };
-            for (i, k) in pairs(fixed, own[side as usize], ALONE) {
-                let (a, b) = (fixed[i], own[side as usize][k]);
-                let wide = a.width * b.width;
-                sum += (b.at - a.at) * wide;
-                weight += wide;
-            }
+    let unmoved = Choice { tile, shift: DVec2::ZERO };
+    let unmoved = (cost(table, asked, unmoved), unmoved);
+    let mut off = [Off::default(); 2];
+    for side in Side::ALL {
+        let Some(fixed) = asked.sides[side as usize] else { continue };
+        let own = table.side(tile, side);
+        for (i, k) in pairs(fixed, own, ALONE) {
+            off[1 - side.axis()].add(fixed[i], own[k], pair_weight(fixed[i], own[k]).0);
         }
-        shift[axis] = if weight > 0.0 { f64::from(sum / weight).clamp(-window.margin, window.margin) } else { 0.0 };
     }
+    let margin = table.window(tile).margin as f32;
+    let shift = DVec2::new(f64::from(off[0].shift(margin)), f64::from(off[1].shift(margin)));
     if shift.abs().max_element() < 0.05 {
         return unmoved;
     }
-    let sides = window.crossings(table.tile(tile).turns, shift);
-    let moved = (cost(&[&sides[0], &sides[1], &sides[2], &sides[3]]) + also, Choice { tile, shift });
+    let moved = Choice { tile, shift };
+    let moved = (cost(table, asked, moved), moved);
     if moved.0 < unmoved.0 { moved } else { unmoved }
 }

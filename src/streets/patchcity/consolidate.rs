@@ -1,7 +1,7 @@
 //! A mosaic as streets from junction to junction: junctions that are nearer to each other than streets are long become one, and
 //! what has no room is cut off.
 
-use super::mosaic::Of;
+use super::weave::Of;
 use crate::network::{EdgeIx, PlanarGraph, VertexIx};
 use crate::space::{DisjointSets, line_length, simplify_line};
 use glam::DVec2;

@@ -10,8 +10,15 @@ const WIDER: f32 = 15.0;
 /// cost something by themselves.
 pub fn pair_cost(a: Crossing, b: Crossing) -> f32 {
     let off = a.at - b.at;
+    let (weight, wider) = pair_weight(a, b);
+    off * off * weight + wider
+}
+
+/// What the square of the distance between two crossings is multiplied by in their cost, and what their widths cost besides.
+pub fn pair_weight(a: Crossing, b: Crossing) -> (f32, f32) {
     let ratio = a.width.max(b.width) / a.width.min(b.width);
-    (off * off * ratio + WIDER * WIDER * (ratio - 1.0)) * a.width * b.width
+    let wide = a.width * b.width;
+    (ratio * wide, WIDER * WIDER * (ratio - 1.0) * wide)
 }
 
 /// Cost of a side: that of the first crossings on both sides, of the second ones and so on (equation 1).

@@ -2,8 +2,9 @@
 
 use super::consolidate::{End, Strip, strips};
 use super::mend::Mending;
-use super::mosaic::Mosaic;
+use super::mosaic::{Mosaic, Plan};
 use super::table::TileTable;
+use super::weave::{Woven, weave};
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
 use crate::space::math::{direction, rotate};
@@ -81,13 +82,12 @@ pub fn lay(
         off.map(|off| (off * off) as f32).sum()
     };
     let grid = (frame.columns, frame.rows);
-    let mut mosaic = Mosaic::fill(table, grid, wanted, also, &mut draft.rng, cancel)?;
+    let mosaic = Mosaic::fill(table, &Plan { grid, wanted: &wanted, also: &also }, &mut draft.rng, cancel)?;
     let mut stands = BTreeMap::new();
-    mosaic.tiles().for_each(|(tile, _)| *stands.entry(table.tile(tile).patch).or_default() += 1);
-    let (loose, joined) = (std::mem::take(&mut mosaic.loose), std::mem::take(&mut mosaic.joined));
-    let mut graph = std::mem::take(&mut mosaic.graph);
+    mosaic.tiles().for_each(|(choice, _)| *stands.entry(table.tile(choice.tile).patch).or_default() += 1);
+    let Woven { mut graph, loose, moved, .. } = weave(&mosaic);
     let mut mending = Mending::new(&mut graph);
-    mending.untangle(&joined);
+    mending.untangle(&moved);
     mending.lead_on(&loose, 0.4 * table.size);
     cancel.check()?;
     let mut strips = strips(&graph, draft.rules.local.min_length, |p| frame.to_cell(p), |p| has_room(draft, p));

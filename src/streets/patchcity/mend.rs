@@ -2,10 +2,10 @@
 //! connected by the shortest street, where Bustard and de Valmency 2015 remove them.
 
 use super::buckets::Buckets;
-use super::mosaic::Of;
+use super::weave::Of;
 use crate::network::{EdgeIx, PlanarGraph, StreetClass, VertexIx};
 use crate::space::math::angle_between;
-use crate::space::{Bounds, DisjointSets, closest_on_segment, segment_crossing};
+use crate::space::{Bounds, DisjointSets, closest_on_segment, segment_crossing, segment_distance};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
@@ -17,6 +17,10 @@ const LEAST_ANGLE: f64 = 0.6;
 const REACHES: [f64; 4] = [60.0, 200.0, 600.0, 4000.0];
 /// How much longer than the shortest one a street may be so that it keeps the rules: a factor, and metres.
 const SLACK: (f64, f64) = (1.5, 30.0);
+/// Longest way straight on from the end of a street to the next one, in metres.
+const STRAIGHT_ON: f64 = 160.0;
+/// Distance that an added street keeps from others, and length at both its ends within which it need not, in metres.
+const CLEARANCE: (f64, f64) = (14.0, 16.0);
 /// Number of streets that are tried for a connection.
 const TRIES: usize = 40;
 
@@ -84,12 +88,30 @@ impl<'g> Mending<'g> {
                 .collect();
             links.sort_by(|a, b| a.length.total_cmp(&b.length));
             let class = self.graph.edge(own).data.class;
-            let found = links.into_iter().take(TRIES).find(|link| self.keeps_rules(link));
+            let straight = self.straight_on(v, -back, own);
+            let found = straight.into_iter().chain(links.into_iter().take(TRIES)).find(|link| self.keeps_rules(link));
             match found {
                 Some(link) => self.build(&link, class),
                 None => self.take_back(v),
             }
         }
+    }
+
+    /// The street from the end of an edge straight on to the first one that it meets.
+    fn straight_on(&self, v: VertexIx, onward: DVec2, own: EdgeIx) -> Option<Link> {
+        let at = self.graph.at(v);
+        let end = at + onward * STRAIGHT_ON;
+        let near = self.buckets.near(self.graph, Bounds::of([at, end])).into_iter().filter(|e| *e != own);
+        let met = near.filter_map(|e| {
+            let (a, b) = self.graph.segment(e);
+            Some((segment_crossing(at, end, a, b)?.at, e))
+        });
+        let (to, on) = met.min_by(|x, y| x.0.distance(at).total_cmp(&y.0.distance(at)))?;
+        // At a junction close by, if there is one.
+        let edge = self.graph.edge(on);
+        let near = [edge.a, edge.b].map(|v| self.graph.at(v)).into_iter().find(|end| end.distance(to) < AT_END);
+        let to = near.unwrap_or(to);
+        Some(Link { length: at.distance(to), from: v, on, to }).filter(|link| link.length > 1.0)
     }
 
     /// Connects streets that hang together with no others, the shortest ones first.
@@ -207,6 +229,21 @@ impl<'g> Mending<'g> {
                 let (c, d) = g.segment(e);
                 meets || segment_crossing(from, link.to, c, d).is_none()
             })
+            && self.keeps_clear(from, link.to)
+    }
+
+    /// Whether a street runs beside no other.
+    fn keeps_clear(&self, from: DVec2, to: DVec2) -> bool {
+        let (gap, free) = CLEARANCE;
+        let length = from.distance(to);
+        if length <= 2.0 * free {
+            return true;
+        }
+        let (a, b) = (from.lerp(to, free / length), to.lerp(from, free / length));
+        self.buckets.near(self.graph, Bounds::of([a, b]).grown(gap)).into_iter().all(|e| {
+            let (c, d) = self.graph.segment(e);
+            segment_distance(a, b, c, d) >= gap
+        })
     }
 
     /// Builds a street.

@@ -1,11 +1,10 @@
-//! Tiles side by side on a grid, their streets joined (Bustard and de Valmency 2015, section 3).
+//! Which tiles stand side by side on a grid (Bustard and de Valmency 2015, section 3).
 
-use super::choose::{ALONE, Asked, choose};
-use super::cost::pairs;
+use super::choose::{Asked, choose, cost_of_side};
+use super::figures::Balance;
 use super::side::{Crossing, Side};
-use super::table::TileTable;
+use super::table::{Choice, TileTable};
 use crate::layer::{Cancel, LayerError};
-use crate::network::{PlanarGraph, StreetClass, VertexIx};
 use crate::space::Stream;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -14,74 +13,79 @@ use std::collections::BTreeMap;
 const SEEN: f64 = 400.0;
 /// Share of a tile's edge by which the places of two tiles in a map must differ along an axis so that they show other parts.
 const OTHER_PART: f64 = 0.75;
-
-/// What an edge of a mosaic is of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Of {
-    /// Class of the street.
-    pub class: StreetClass,
-    /// The patch that the street is from, as index into [`TileTable::patches`]; `None` for a street that joins others.
-    pub patch: Option<u32>,
-}
+/// Cost of the sides of a tile above which another is looked for, once all tiles stand: as much as four local streets that are 4 m
+/// off.
+const POOR: f32 = 4.0 * 16.0 * 36.0;
+/// Number of times that others are looked for.
+const ROUNDS: usize = 2;
 
 /// A tile that stands.
-struct Placed {
-    tile: u32,
-    /// Where streets cross each side, with their vertices.
-    sides: [Vec<(Crossing, VertexIx)>; 4],
+pub struct Placed {
+    /// The tile.
+    pub choice: Choice,
+    /// Where streets cross each side.
+    pub sides: [Vec<Crossing>; 4],
 }
 
-/// Tiles that stand side by side, and their streets. Positions are metres from the south-west corner of the grid.
+/// Tiles that stand side by side. Positions are metres from the south-west corner of the grid.
 pub struct Mosaic<'t> {
-    table: &'t TileTable,
+    /// The tiles that it is made of.
+    pub table: &'t TileTable,
     columns: usize,
     cells: Vec<Option<Placed>>,
-    /// The streets.
-    pub graph: PlanarGraph<Of>,
-    /// Vertices at which a street ends at the side of a tile, because none goes on there.
-    pub loose: Vec<VertexIx>,
-    /// Vertices at which streets of two tiles were joined.
-    pub joined: Vec<VertexIx>,
+    /// How much the tiles that stand are off those of the table.
+    balance: Balance,
+}
+
+/// What a grid is filled with.
+pub struct Plan<'a> {
+    /// Number of columns and rows.
+    pub grid: (usize, usize),
+    /// Whether a tile stands at a column and row.
+    pub wanted: &'a dyn Fn(usize, usize) -> bool,
+    /// Cost of a tile at a column and row besides that of its sides.
+    pub also: &'a dyn Fn(u32, usize, usize) -> f32,
 }
 
 impl<'t> Mosaic<'t> {
-    /// Fills a grid of tiles from the south-west to the north-east. A tile stands where `wanted` holds for its column and row; `also`
-    /// is a cost of a tile at a place besides that of its sides.
+    /// Fills a grid of tiles from the south-west to the north-east; then looks for others where streets do not go on well.
     ///
     /// # Errors
     ///
     /// Only if the work is cancelled.
-    pub fn fill(
-        table: &'t TileTable,
-        (columns, rows): (usize, usize),
-        wanted: impl Fn(usize, usize) -> bool,
-        also: impl Fn(u32, usize, usize) -> f32,
-        rng: &mut Stream,
-        cancel: &Cancel,
-    ) -> Result<Self, LayerError> {
+    pub fn fill(table: &'t TileTable, plan: &Plan<'_>, rng: &mut Stream, cancel: &Cancel) -> Result<Self, LayerError> {
+        let (columns, rows) = plan.grid;
         let cells = (0..columns * rows).map(|_| None).collect();
-        let graph = PlanarGraph::without_index();
-        let mut mosaic = Self { table, columns, cells, graph, loose: Vec::new(), joined: Vec::new() };
-        for row in 0..rows {
-            cancel.check()?;
-            for column in (0..columns).filter(|column| wanted(*column, row)) {
-                mosaic.place(column, row, &|tile| also(tile, column, row), rng);
+        let mut mosaic = Self { table, columns, cells, balance: Balance::default() };
+        for round in 0..=ROUNDS {
+            for row in 0..rows {
+                cancel.check()?;
+                for column in (0..columns).filter(|column| (plan.wanted)(*column, row)) {
+                    if round == 0
+                        || mosaic.cost(column, row) + (plan.also)(mosaic.tile(column, row), column, row) > POOR
+                    {
+                        mosaic.place(column, row, &|tile| (plan.also)(tile, column, row), rng);
+                    }
+                }
             }
         }
-        mosaic.loose.retain(|v| mosaic.graph.degree(*v) == 1);
         Ok(mosaic)
     }
 
     /// The tile at a column and row.
-    fn at(&self, column: usize, row: usize) -> Option<&Placed> {
+    pub fn at(&self, column: usize, row: usize) -> Option<&Placed> {
         if column >= self.columns {
             return None;
         }
         self.cells.get(row * self.columns + column)?.as_ref()
     }
 
+    fn tile(&self, column: usize, row: usize) -> u32 {
+        self.at(column, row).map_or(0, |placed| placed.choice.tile)
+    }
+
     /// The place in the grid beside another.
-    fn beside(&self, column: usize, row: usize, side: Side) -> Option<(usize, usize)> {
+    pub fn beside(&self, column: usize, row: usize, side: Side) -> Option<(usize, usize)> {
         match side {
             Side::West => Some((column.checked_sub(1)?, row)),
             Side::East => Some((column + 1, row)).filter(|place| place.0 < self.columns),
@@ -90,60 +94,44 @@ impl<'t> Mosaic<'t> {
         }
     }
 
-    /// Places the tile that fits best.
+    /// The tile that stands beside a place.
+    fn neighbour(&self, column: usize, row: usize, side: Side) -> Option<&Placed> {
+        let (column, row) = self.beside(column, row, side)?;
+        self.at(column, row)
+    }
+
+    /// Cost of the sides of the tile at a place.
+    fn cost(&self, column: usize, row: usize) -> f32 {
+        let Some(own) = self.at(column, row) else { return 0.0 };
+        let cost = |side: Side| {
+            let other = self.neighbour(column, row, side)?;
+            Some(cost_of_side(&other.sides[side.opposite() as usize], &own.sides[side as usize]))
+        };
+        Side::ALL.into_iter().filter_map(cost).sum()
+    }
+
+    /// Places the tile that fits best; one that stands is left if none fits better.
     fn place(&mut self, column: usize, row: usize, also: &dyn Fn(u32) -> f32, rng: &mut Stream) {
-        let beside = Side::ALL.map(|side| self.beside(column, row, side));
-        let fixed: [Option<Vec<Crossing>>; 4] = Side::ALL.map(|side| {
-            let (column, row) = beside[side as usize]?;
-            let placed = self.at(column, row)?;
-            Some(placed.sides[side.opposite() as usize].iter().map(|(crossing, _)| *crossing).collect())
-        });
-        let sides = [0, 1, 2, 3].map(|side| fixed[side].as_deref());
+        let beside = Side::ALL.map(|side| self.neighbour(column, row, side));
+        let fixed = |side: Side| Some(beside[side as usize]?.sides[side.opposite() as usize].as_slice());
         let repeats = |tile: u32| self.repeats(tile, column, row);
-        let Some(choice) = choose(self.table, &Asked { sides, also, repeats: &repeats }, rng) else { return };
-        let tile = self.table.tile(choice.tile);
-        let cut = self.table.window(choice.tile).cut(tile.turns, choice.shift);
-        let size = self.table.size;
-        let middle = DVec2::new(column as f64 + 0.5, row as f64 + 0.5) * size;
-        let mut vertices: Vec<Option<VertexIx>> = vec![None; cut.points.len()];
-        let mut alone: Vec<u32> = Vec::new();
-        for side in Side::ALL {
-            let Some(fixed) = &fixed[side as usize] else { continue };
-            let Some((column, row)) = beside[side as usize] else { continue };
-            let own: Vec<Crossing> = cut.sides[side as usize].iter().map(|(crossing, _)| *crossing).collect();
-            let there: Vec<VertexIx> = self
-                .at(column, row)
-                .map_or(Vec::new(), |placed| placed.sides[side.opposite() as usize].iter().map(|(_, v)| *v).collect());
-            let together = pairs(fixed, &own, ALONE);
-            for &(i, k) in &together {
-                let point = cut.sides[side as usize][k].1;
-                let v = there[i];
-                // Each of both ends moves half of the distance between them (section 3).
-                let own = middle + cut.points[point as usize];
-                self.graph.move_vertex(v, (self.graph.at(v) + own) / 2.0);
-                vertices[point as usize] = Some(v);
-                self.joined.push(v);
-            }
-            let is_alone = |i: &usize| !together.iter().any(|pair| pair.0 == *i);
-            self.loose.extend((0..there.len()).filter(is_alone).map(|i| there[i]));
-            let is_paired = |k: usize| together.iter().any(|pair| pair.1 == k);
-            let own = cut.sides[side as usize].iter().enumerate();
-            alone.extend(own.filter(|(k, _)| !is_paired(*k)).map(|(_, (_, point))| *point));
+        let onward: Vec<Choice> = Side::ALL
+            .into_iter()
+            .filter_map(|side| self.table.onward(beside[side as usize]?.choice, side.opposite()))
+            .collect();
+        let balance = self.balance;
+        let also = &|tile: u32| also(tile) + balance.cost(self.table.figures(tile));
+        let asked = Asked { sides: Side::ALL.map(fixed), onward: &onward, also, repeats: &repeats };
+        let Some((cost, choice)) = choose(self.table, &asked, rng) else { return };
+        let is_better = self
+            .at(column, row)
+            .is_none_or(|placed| placed.choice != choice && cost < self.cost(column, row) + also(placed.choice.tile));
+        if is_better {
+            let sides = self.table.window(choice.tile).crossings(self.table.tile(choice.tile).turns, choice.shift);
+            let before = self.at(column, row).map(|placed| self.table.figures(placed.choice.tile));
+            self.balance.count(self.table.figures(choice.tile), before);
+            self.cells[row * self.columns + column] = Some(Placed { choice, sides });
         }
-        for (vertex, point) in vertices.iter_mut().zip(&cut.points) {
-            vertex.get_or_insert_with(|| self.graph.add_vertex(middle + *point));
-        }
-        let vertex = |point: u32| vertices[point as usize].unwrap_or_default();
-        let of_patch = Some(tile.patch);
-        for &(a, b, class) in &cut.edges {
-            let (a, b) = (vertex(a), vertex(b));
-            if a != b && self.graph.edge_between(a, b).is_none() {
-                self.graph.add_edge(a, b, Of { class, patch: of_patch });
-            }
-        }
-        self.loose.extend(alone.iter().map(|point| vertex(*point)));
-        let sides = cut.sides.map(|side| side.into_iter().map(|(c, point)| (c, vertex(point))).collect());
-        self.cells[row * self.columns + column] = Some(Placed { tile: choice.tile, sides });
     }
 
     /// How a tile would be seen twice at a place: 2 as a whole, 1 in part, 0 not at all.
@@ -153,14 +141,15 @@ impl<'t> Mosaic<'t> {
         let window = self.table.window(tile);
         let patch = self.table.tile(tile).patch;
         let mut found = 0;
-        for r in row.saturating_sub(reach)..=row {
+        for r in row.saturating_sub(reach)..=row + reach {
             for c in column.saturating_sub(reach)..=column + reach {
                 let off = DVec2::new(c as f64 - column as f64, r as f64 - row as f64) * size;
-                let Some(placed) = self.at(c, r).filter(|_| off.length() < SEEN) else { continue };
-                if self.table.tile(placed.tile).patch == patch {
+                let is_near = off != DVec2::ZERO && off.length() < SEEN;
+                let Some(placed) = self.at(c, r).filter(|_| is_near) else { continue };
+                if self.table.tile(placed.choice.tile).patch == patch {
                     return 2;
                 }
-                let other = self.table.window(placed.tile);
+                let other = self.table.window(placed.choice.tile);
                 let apart = (window.place - other.place).abs();
                 if window.map == other.map && apart.max_element() < OTHER_PART * size {
                     found = 1;
@@ -172,7 +161,8 @@ impl<'t> Mosaic<'t> {
 
     /// Number of tiles for which the same patch stands within 400 m.
     pub fn repeated(&self) -> usize {
-        let tiles: Vec<(u32, DVec2)> = self.tiles().map(|(tile, at)| (self.table.tile(tile).patch, at)).collect();
+        let tiles: Vec<(u32, DVec2)> =
+            self.tiles().map(|(choice, at)| (self.table.tile(choice.tile).patch, at)).collect();
         let mut places: BTreeMap<u32, Vec<DVec2>> = BTreeMap::new();
         tiles.iter().for_each(|(patch, at)| places.entry(*patch).or_default().push(*at));
         let near = |a: DVec2, b: DVec2| a != b && a.distance(b) < SEEN;
@@ -180,9 +170,18 @@ impl<'t> Mosaic<'t> {
     }
 
     /// The tiles that stand, with their middles.
-    pub fn tiles(&self) -> impl Iterator<Item = (u32, DVec2)> + '_ {
-        let middle = |i: usize| DVec2::new((i % self.columns) as f64 + 0.5, (i / self.columns) as f64 + 0.5);
+    pub fn tiles(&self) -> impl Iterator<Item = (Choice, DVec2)> + '_ {
+        self.places().map(|((column, row), placed)| (placed.choice, self.middle(column, row)))
+    }
+
+    /// The columns and rows at which tiles stand, row by row.
+    pub fn places(&self) -> impl Iterator<Item = ((usize, usize), &Placed)> + '_ {
         let placed = self.cells.iter().enumerate().filter_map(|(i, cell)| Some((i, cell.as_ref()?)));
-        placed.map(move |(i, placed)| (placed.tile, middle(i) * self.table.size))
+        placed.map(|(i, placed)| ((i % self.columns, i / self.columns), placed))
+    }
+
+    /// The middle of the tile at a column and row.
+    pub fn middle(&self, column: usize, row: usize) -> DVec2 {
+        DVec2::new(column as f64 + 0.5, row as f64 + 0.5) * self.table.size
     }
 }

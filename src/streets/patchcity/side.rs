@@ -1,5 +1,7 @@
 //! The sides of tiles and where streets cross them.
 
+use glam::DVec2;
+
 /// A side of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -24,6 +26,16 @@ impl Side {
             Self::East => Self::West,
             Self::South => Self::North,
             Self::North => Self::South,
+        }
+    }
+
+    /// The unit vector out of the tile.
+    pub fn outward(self) -> DVec2 {
+        match self {
+            Self::West => DVec2::NEG_X,
+            Self::East => DVec2::X,
+            Self::South => DVec2::NEG_Y,
+            Self::North => DVec2::Y,
         }
     }
 

@@ -1,16 +1,24 @@
 //! A square made from maps, without a world: the job of Bustard and de Valmency 2015.
 
+use super::buckets::Buckets;
+use super::buildings::{Site, is_near, settle, sites};
 use super::mend::Mending;
-use super::mosaic::{Mosaic, Of};
+use super::mosaic::{Mosaic, Plan};
 use super::table::TileTable;
+use super::weave::{Of, Woven, weave};
 use crate::layer::{Cancel, LayerError};
 use crate::network::{EdgeIx, Junction, JunctionId, Network, PlanarGraph, Street, StreetClass, StreetId, VertexIx};
-use crate::space::{Bounds, Seed, quantize, quantum_key};
+use crate::patch::PatchBuilding;
+use crate::space::{Bounds, Seed, centroid, quantize, quantum_key};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
 /// Longest street that leads on where no street of the next tile does, as a share of a tile's edge.
 const LEAD_ON: f64 = 0.4;
+/// Least distance in metres from the middle of a street to a building of the same tile, which may stand as near as in the map.
+const BESIDE: f64 = 2.0;
+/// Half of the widest carriageway of a town, in metres.
+const WIDEST: f64 = 6.0;
 
 /// A square made from tiles.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +33,8 @@ pub struct Synthesis {
     pub dead_ends: usize,
     /// Number of parts whose streets hang together.
     pub components: usize,
+    /// Its buildings, in metres from the middle of the square.
+    pub buildings: Vec<PatchBuilding>,
     /// Number of tiles.
     pub tiles: usize,
     /// Number of tiles for which the same patch stands within 400 m.
@@ -42,12 +52,13 @@ pub fn synthesize(table: &TileTable, size: f64, seed: Seed, cancel: &Cancel) -> 
     }
     let count = (size / table.size).ceil().max(1.0) as usize;
     let mut rng = seed.stream("synthesis", &[]);
-    let mut mosaic = Mosaic::fill(table, (count, count), |_, _| true, |_, _, _| 0.0, &mut rng, cancel)?;
+    let plan = Plan { grid: (count, count), wanted: &|_, _| true, also: &|_, _, _| 0.0 };
+    let mosaic = Mosaic::fill(table, &plan, &mut rng, cancel)?;
     let (tiles, repeats) = (mosaic.tiles().count(), mosaic.repeated());
-    let (loose, joined) = (std::mem::take(&mut mosaic.loose), std::mem::take(&mut mosaic.joined));
-    let mut graph = std::mem::take(&mut mosaic.graph);
+    let Woven { mut graph, loose, moved, warps } = weave(&mosaic);
+    let sites = sites(&mosaic, &warps);
     let mut mending = Mending::new(&mut graph);
-    mending.untangle(&joined);
+    mending.untangle(&moved);
     mending.lead_on(&loose, LEAD_ON * table.size);
     cancel.check()?;
     let is_loose = |v: &&VertexIx| graph.degree(**v) == 1;
@@ -55,6 +66,7 @@ pub fn synthesize(table: &TileTable, size: f64, seed: Seed, cancel: &Cancel) -> 
     let middle = DVec2::splat(count as f64 * table.size / 2.0);
     let mut graph = clipped(&graph, middle, size);
     Mending::new(&mut graph).connect();
+    let buildings = buildings(sites, &graph, middle, size);
     let border = Bounds::square(DVec2::ZERO, size).grown(-0.01);
     let ends = graph.vertices().filter(|v| graph.degree(*v) == 1);
     Ok(Synthesis {
@@ -63,9 +75,30 @@ pub fn synthesize(table: &TileTable, size: f64, seed: Seed, cancel: &Cancel) -> 
         dead_ends: ends.filter(|v| border.contains(graph.at(*v))).count(),
         components: graph.components().into_iter().flatten().max().map_or(0, |last| last as usize + 1),
         network: network(&graph),
+        buildings,
         tiles,
         repeats,
     })
+}
+
+/// The buildings that may stand beside the streets of a graph, in metres from the middle of the square.
+fn buildings(sites: Vec<Site>, graph: &PlanarGraph<Of>, middle: DVec2, size: f64) -> Vec<PatchBuilding> {
+    let square = Bounds::square(middle, size);
+    let buckets = Buckets::of(graph);
+    let is_free = |site: &Site, outline: &[DVec2]| {
+        let outline: Vec<DVec2> = outline.iter().map(|p| *p - middle).collect();
+        let near = buckets.near(graph, Bounds::of(outline.iter().copied()).grown(WIDEST));
+        near.into_iter().all(|e| {
+            let (a, b) = graph.segment(e);
+            let Of { class, patch } = graph.edge(e).data;
+            let gap = if patch == Some(site.patch) { BESIDE } else { class.carriageway() / 2.0 };
+            !is_near(a, b, &outline, gap)
+        })
+    };
+    let sites = sites.into_iter().filter(|site| square.contains(centroid(&site.building.outline)));
+    let mut out = settle(sites.collect(), is_free);
+    out.iter_mut().flat_map(|building| &mut building.outline).for_each(|p| *p = quantize(*p - middle));
+    out
 }
 
 /// The part of a graph within a square, in metres from its middle.

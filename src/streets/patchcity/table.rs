@@ -1,8 +1,9 @@
 //! The look-up table of tiles: windows of maps, turned by quarter turns, indexed by how many streets cross their sides (Bustard and
 //! de Valmency 2015, section 3).
 
+use super::figures::Figures;
 use super::side::{Crossing, Side};
-use super::window::{Window, windows};
+use super::window::{Window, turned, windows};
 use crate::patch::Patch;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -12,6 +13,9 @@ use std::sync::Arc;
 const COUNTS: usize = 16;
 /// The place in the index of tiles with any number of streets.
 const ANY: usize = COUNTS;
+
+/// Edge of the squares by which patches are found by their places, in metres.
+const SQUARE: f64 = 25.0;
 
 /// A window of a map, turned.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +28,15 @@ pub struct Tile {
     crossings: [u32; 5],
 }
 
+/// A tile and how it is moved over its map, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Number of the tile.
+    pub tile: u32,
+    /// How far its window is moved.
+    pub shift: DVec2,
+}
+
 /// The tiles that streets may be made of.
 #[derive(Debug)]
 pub struct TileTable {
@@ -31,6 +44,8 @@ pub struct TileTable {
     pub patches: Vec<Arc<Patch>>,
     /// Their names.
     pub names: Vec<Arc<str>>,
+    /// What each window holds, against the others.
+    figures: Vec<Figures>,
     /// The streets of each window.
     windows: Vec<Window>,
     /// Edge of a tile in metres.
@@ -39,6 +54,39 @@ pub struct TileTable {
     crossings: Vec<Crossing>,
     /// Tiles by the numbers of streets that cross their west and south sides, either of which may be any.
     by_counts: Vec<Vec<u32>>,
+    /// The number of each patch's tile by its quarter turns, where there is one.
+    tile_of: Vec<[Option<u32>; 4]>,
+    /// Patches by their map and the square of [`SQUARE`] metres in which they lie there.
+    by_place: BTreeMap<(u32, i64, i64), Vec<u32>>,
+}
+
+/// The square that a place lies in.
+fn square_of(place: DVec2) -> (i64, i64) {
+    let square = (place / SQUARE).floor().as_i64vec2();
+    (square.x, square.y)
+}
+
+/// What windows hold, against each other.
+fn figures(patches: &[Arc<Patch>], windows: &[Window]) -> Vec<Figures> {
+    let figures = |(patch, window): (&Arc<Patch>, &Window)| {
+        let Some(of) = &patch.window else { return Figures::default() };
+        Figures::of(&window.cut(0, DVec2::ZERO), &of.buildings, of.size / 2.0)
+    };
+    let mut out: Vec<Figures> = patches.iter().zip(windows).map(figures).collect();
+    Figures::compare(&mut out, &weights(windows));
+    out
+}
+
+/// What windows count for, so that all land of their maps counts the same: land at the border of a map is in few windows.
+fn weights(windows: &[Window]) -> Vec<f32> {
+    let squares = |window: &Window| {
+        let (low, high) = (square_of(window.place - window.half), square_of(window.place + window.half));
+        let map = window.map;
+        (low.1..high.1).flat_map(move |y| (low.0..high.0).map(move |x| (map, x, y)))
+    };
+    let mut covered: BTreeMap<(u32, i64, i64), f32> = BTreeMap::new();
+    windows.iter().flat_map(squares).for_each(|square| *covered.entry(square).or_default() += 1.0);
+    windows.iter().map(|window| squares(window).map(|square| 1.0 / covered[&square]).sum()).collect()
 }
 
 /// The place in the index of tiles whose west and south sides are crossed by so many streets.
@@ -58,10 +106,18 @@ impl TileTable {
         let usual = all.into_iter().filter(|window| window.0 == size);
         let (patches, names): (Vec<_>, Vec<_>) = usual.map(|(_, patch, name)| (patch.clone(), name)).unzip();
         let windows = windows(&patches);
+        let mut by_place: BTreeMap<(u32, i64, i64), Vec<u32>> = BTreeMap::new();
+        for (patch, window) in windows.iter().enumerate() {
+            let (x, y) = square_of(window.place);
+            by_place.entry((window.map, x, y)).or_default().push(patch as u32);
+        }
         let mut table = Self {
+            tile_of: vec![[None; 4]; patches.len()],
+            by_place,
             by_counts: vec![Vec::new(); (COUNTS + 1) * (COUNTS + 1)],
             tiles: Vec::new(),
             crossings: Vec::new(),
+            figures: figures(&patches, &windows),
             patches,
             names,
             windows,
@@ -84,6 +140,7 @@ impl TileTable {
         }
         let number = self.tiles.len() as u32;
         self.tiles.push(tile);
+        self.tile_of[patch as usize][usize::from(turns)] = Some(number);
         let count = |side| self.side(number, side).len();
         let (west, south) = (count(Side::West), count(Side::South));
         for place in [drawer(west, south), drawer(west, ANY), drawer(ANY, south), drawer(ANY, ANY)] {
@@ -106,6 +163,11 @@ impl TileTable {
         &self.windows[self.tile(number).patch as usize]
     }
 
+    /// What a tile holds, against the others.
+    pub fn figures(&self, number: u32) -> Figures {
+        self.figures[self.tile(number).patch as usize]
+    }
+
     /// Where streets cross a side of a tile, in order.
     pub fn side(&self, number: u32, side: Side) -> &[Crossing] {
         let ends = self.tiles[number as usize].crossings;
@@ -119,6 +181,25 @@ impl TileTable {
             (Some(west), Some(south)) => &self.by_counts[drawer(west, south)],
             _ => &[],
         }
+    }
+
+    /// The tile that goes on beside another one as the map does, on its side `side`; `None` where the map ends.
+    pub fn onward(&self, from: Choice, side: Side) -> Option<Choice> {
+        let Tile { turns, .. } = self.tile(from.tile);
+        let window = self.window(from.tile);
+        let step = side.outward() * self.size + from.shift;
+        let place = window.place + turned(step, 4 - turns % 4);
+        let (low, high) = (square_of(place - window.margin), square_of(place + window.margin));
+        let squares = (low.1..=high.1).flat_map(|y| (low.0..=high.0).map(move |x| (window.map, x, y)));
+        let near = squares.filter_map(|square| self.by_place.get(&square)).flatten();
+        let choice = |patch: &u32| {
+            let other = &self.windows[*patch as usize];
+            let shift = step - turned(other.place - window.place, turns);
+            let tile = self.tile_of[*patch as usize][usize::from(turns)]?;
+            (shift.abs().max_element() <= other.margin).then_some(Choice { tile, shift })
+        };
+        let choices = near.filter_map(choice);
+        choices.min_by(|a, b| a.shift.length_squared().total_cmp(&b.shift.length_squared()))
     }
 
     /// Bytes in memory, about.

@@ -15,7 +15,7 @@ pub struct Window {
     degrees: Vec<u8>,
     edges: Vec<(u32, u32, StreetClass)>,
     /// Half of the window's edge.
-    half: f64,
+    pub half: f64,
     /// How far it may be moved along either axis.
     pub margin: f64,
     /// Its middle in the map, in the window's own directions.
