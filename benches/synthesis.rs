@@ -91,7 +91,7 @@ fn speed(table: &TileTable, size: f64, rounds: u64) -> f64 {
     let km2 = size * size / 1e6;
     let make = |round: u64| {
         let (time, made) =
-            clock::timed(|| synthesize(table, size, Seed(round), &Cancel::new()).expect("nobody cancels"));
+            clock::timed(|| synthesize(table, size, 500.0, Seed(round), &Cancel::new()).expect("nobody cancels"));
         assert_eq!((made.components, made.mismatched_seams), (1, 0), "{size} m");
         time.as_secs_f64()
     };

@@ -1,6 +1,7 @@
 //! The input for dividing a main cell.
 
 use crate::network::Street;
+use crate::patch::PatchBuilding;
 use crate::space::{Origin, Seed};
 use crate::style::ParcelRules;
 use crate::terrain::GroundTiles;
@@ -17,6 +18,8 @@ pub struct ParcelBrief<'a> {
     pub border: &'a [DVec2],
     /// Streets along the border and inside the cell.
     pub streets: &'a [&'a Street],
+    /// Buildings that come with the streets, which stand where they collide with no street.
+    pub buildings: &'a [PatchBuilding],
     /// Rules of the cell's style.
     pub rules: &'a ParcelRules,
     /// Position of the cell, from 0 at the settlement's outline to 1 at its centre.

@@ -5,6 +5,7 @@ use crate::network::Street;
 use crate::parcel::blocks::{BlockShape, blocks};
 use crate::parcel::brief::ParcelBrief;
 use crate::parcel::footprints::{PARAPET, footprint, ground_floor, storeys};
+use crate::parcel::given::{Given, beside, given};
 use crate::parcel::land::{Block, BlockUse, CellParcels, Footprint, Lot, STOREY_HEIGHT};
 use crate::parcel::lots::lots;
 use crate::space::{Bounds, quantize, quantum_key, stable_hash};
@@ -19,7 +20,8 @@ const MOST_OPEN: f64 = 12.0;
 /// Blocks are the land that the surface of the streets leaves of the cell, without pieces too small or thin to use. Lots are
 /// strips along the streets, cut across, in the spirit of the skeleton subdivision of Vanegas et al. 2012 ("Procedural
 /// generation of parcels in urban modeling", section 4): each lot has a frontage, the lots of a block are disjoint, and land
-/// too deep inside a block belongs to no lot. A block without room for a lot is a park.
+/// too deep inside a block belongs to no lot. A block without room for a lot is a park. Buildings that come with the streets have lots
+/// of their own; in a block that they fill well no others stand.
 ///
 /// # Errors
 ///
@@ -33,9 +35,30 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
     for shape in shapes {
         let id = piece_id(brief.id.0, &shape.polygon);
         let mut rng = brief.seed.stream("parcel", &[brief.id.0, id]);
-        let park = rng.chance(brief.rules.parks) && is_enclosed(&shape);
+        let given = given(&shape, brief.buildings);
+        let park = rng.chance(brief.rules.parks) && is_enclosed(&shape) && given.is_empty();
         let parcels = if park { Vec::new() } else { lots(&shape, brief.rules, &mut rng) };
-        let land_use = if parcels.is_empty() { BlockUse::Park } else { BlockUse::Built };
+        let parcels = if given.is_empty() { parcels } else { beside(&shape, &given, parcels) };
+        let land_use = if parcels.is_empty() && given.is_empty() { BlockUse::Park } else { BlockUse::Built };
+        let mut floor = |plan: &[DVec2]| {
+            ground_floor(plan.iter().map(|p| works.height(*p, ground.height(brief.origin.to_plan(*p)))))
+        };
+        for Given { outline, street, building, .. } in given {
+            let lot = piece_id(id, &outline);
+            let mut rng = brief.seed.stream("parcel", &[brief.id.0, lot]);
+            let known =
+                building.storeys.or_else(|| building.height.map(|h| (h / STOREY_HEIGHT).round().max(1.0) as u32));
+            let storeys = known.unwrap_or_else(|| storeys(brief.rules, brief.centrality, &mut rng));
+            out.footprints.push(Footprint {
+                id: stable_hash(&[lot, 1]),
+                lot,
+                base: floor(&outline),
+                height: building.height.unwrap_or(f64::from(storeys) * STOREY_HEIGHT + PARAPET),
+                polygon: outline.clone(),
+                storeys,
+            });
+            out.lots.push(Lot { id: lot, block: id, polygon: outline, street: brief.streets[street].id });
+        }
         out.blocks.push(Block { id, polygon: shape.polygon, land_use });
         for lot in parcels {
             let polygon: Vec<DVec2> = lot.polygon.iter().map(|p| quantize(*p)).collect();
@@ -47,7 +70,7 @@ pub fn divide(brief: &ParcelBrief<'_>, cancel: &Cancel) -> Result<CellParcels, L
                 out.footprints.push(Footprint {
                     id: stable_hash(&[lot_id, 1]),
                     lot: lot_id,
-                    base: ground_floor(plan.iter().map(|p| works.height(*p, ground.height(brief.origin.to_plan(*p))))),
+                    base: floor(&plan),
                     height: f64::from(storeys) * STOREY_HEIGHT + PARAPET,
                     polygon: plan,
                     storeys,

@@ -6,6 +6,7 @@ mod brief;
 mod convex;
 mod divide;
 mod footprints;
+mod given;
 mod land;
 mod lots;
 mod runs;

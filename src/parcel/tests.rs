@@ -2,13 +2,15 @@
 
 use crate::layer::{Cancel, Ranged};
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
-use crate::parcel::{BlockUse, CellParcels, ParcelBrief, divide};
+use crate::parcel::{BlockUse, CellParcels, Footprint, ParcelBrief, divide};
+use crate::patch::PatchBuilding;
 use crate::space::{
-    Origin, Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
+    Bounds, Origin, Seed, Stream, cross, point_in_polygon, quantize, segment_crossing, segment_distance, segments,
+    signed_area,
 };
 use crate::style::ParcelRules;
 use crate::terrain::GroundTiles;
-use crate::testing::{BlockCell, Flat, block_cell, divided};
+use crate::testing::{BlockCell, Flat, block_cell, divided, divided_with};
 use crate::town::CellId;
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -136,6 +138,62 @@ fn random_cells_keep_every_promise() {
     assert!(lots > 2500 && footprints > lots * 7 / 10, "{lots} lots, {footprints} footprints");
 }
 
+/// Houses that come with the streets of a cell, at random, but on a grid, so that none shares land with another.
+fn houses(rng: &mut Stream, cell: &BlockCell) -> Vec<PatchBuilding> {
+    let bounds = Bounds::of(cell.border.iter().copied());
+    let count = (bounds.size() / 20.0).as_ivec2();
+    let mut out = Vec::new();
+    for (x, y) in (0..count.y).flat_map(|y| (0..count.x).map(move |x| (x, y))) {
+        if rng.chance(0.4) {
+            let at = bounds.min + 20.0 * DVec2::new(f64::from(x), f64::from(y));
+            let size = DVec2::new(rng.range(5.0, 19.0), rng.range(5.0, 19.0));
+            let outline = [DVec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|p| at + p).to_vec();
+            out.push(PatchBuilding { outline, height: rng.chance(0.5).then_some(7.5), storeys: Some(3) });
+        }
+    }
+    out
+}
+
+#[test]
+fn buildings_that_come_with_the_streets_stand_on_lots_of_their_own() {
+    let (mut stand, mut others, mut given) = (0, 0, 0);
+    for seed in 0..40 {
+        let mut rng = Seed(seed).stream("given", &[]);
+        let cell = block_cell(&mut rng, 3, 3, 90.0);
+        let sparse = seed % 2 == 0;
+        let mut buildings = houses(&mut rng, &cell);
+        if sparse {
+            // Few in a block: others stand beside them.
+            buildings.retain(|_| rng.chance(0.15));
+        }
+        let parcels = divided_with(seed, &cell, &rules(&mut rng), &buildings);
+        given += buildings.len();
+        let is_given = |f: &Footprint| buildings.iter().any(|b| shared_area(&b.outline, &f.polygon) > 1.0);
+        for (i, footprint) in parcels.footprints.iter().enumerate() {
+            check_simple(&footprint.polygon, "footprint");
+            for other in &parcels.footprints[..i] {
+                assert!(shared_area(&footprint.polygon, &other.polygon) < 0.1, "seed {seed}: two houses in one place");
+            }
+            for (a, b) in cell.streets.iter().flat_map(|s| segments(&s.line)) {
+                assert!(edges(&footprint.polygon).iter().all(|e| segment_distance(e.0, e.1, a, b) > 4.9));
+            }
+            if !is_given(footprint) {
+                others += 1;
+                continue;
+            }
+            stand += 1;
+            let lot = parcels.lots.iter().find(|l| l.id == footprint.lot).expect("a lot");
+            assert_eq!((&lot.polygon, footprint.storeys), (&footprint.polygon, 3));
+            assert!(footprint.height == 7.5 || footprint.height == 9.5);
+            assert!(parcels.lots.iter().filter(|l| l.id == lot.id).count() == 1);
+        }
+        for (i, lot) in parcels.lots.iter().enumerate() {
+            assert!(parcels.lots[..i].iter().all(|other| shared_area(&lot.polygon, &other.polygon) < 0.5));
+        }
+    }
+    assert!(stand * 3 > given && others > 100, "{stand} of {given} stand, and {others} others");
+}
+
 #[test]
 fn a_cell_of_slivers_or_without_streets_gives_nothing_to_build_on() {
     let triangle =
@@ -173,6 +231,7 @@ fn a_cancelled_division_stops() {
         id: CellId(1),
         border: &[],
         streets: &[],
+        buildings: &[],
         rules: &rules,
         centrality: 1.0,
         ground: &GroundTiles::new(Arc::new(Flat), 1 << 16),

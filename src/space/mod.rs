@@ -11,6 +11,7 @@ mod ears;
 mod geographic;
 mod geometry;
 pub mod math;
+mod overlay;
 mod pole;
 mod polyline;
 mod seed;
@@ -25,6 +26,7 @@ pub use geometry::{
     SegmentCrossing, closest_on_segment, cross, distance_to_segment, left_normal, orient, segment_crossing,
     segment_distance,
 };
+pub use overlay::common_parts;
 pub use pole::pole;
 pub use polyline::{
     Measured, centroid, closest_on_line, cut_line, distance_to_line, is_simple, line_length, point_at,

@@ -193,6 +193,7 @@ impl Stack {
                 id: main_cell.id,
                 border: &main_cell.border,
                 streets: &streets,
+                buildings: &local.buildings,
                 rules: if main_cell.cell_use == CellUse::Open { &park } else { rules },
                 ground: &self.ground,
                 origin: plan.origin,

@@ -81,7 +81,8 @@ impl Weigh for CellStreets {
         // The names are shared.
         let pieces = 16 * self.missing.len() + 24 * self.laid.len();
         let exceptions = self.exceptions.len() * size_of::<Exception>();
-        streets + self.junctions.len() * size_of::<Junction>() + unmet + pieces + exceptions
+        let outlines: usize = self.buildings.iter().map(|b| 48 + b.outline.len() * size_of::<DVec2>()).sum();
+        outlines + streets + self.junctions.len() * size_of::<Junction>() + unmet + pieces + exceptions
     }
 }
 

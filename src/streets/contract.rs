@@ -4,12 +4,13 @@ use super::filler::{Cause, CellFiller, CellStreets, CellToFill, Exception, Pinne
 use super::fillers::Fillers;
 use crate::layer::{Cancel, LayerError, Ranged};
 use crate::network::{JunctionId, Street};
+use crate::patch::{Patch, PatchBuilding};
 use crate::seam::{APPROACH_LENGTH, CellPort};
 use crate::space::{
-    Seed, closest_on_segment, cut_line, distance_to_line, math::angle_between, point_in_polygon, quantize,
-    segment_crossing, segment_distance, segments,
+    Seed, closest_on_segment, common_parts, cut_line, distance_to_line, is_simple, math::angle_between,
+    point_in_polygon, quantize, segment_crossing, segment_distance, segments, signed_area,
 };
-use crate::style::{Filler, LocalRules, Style};
+use crate::style::{Filler, LocalRules, PatchCityRules, Style};
 use crate::testing::{PortCell, patch_sets, styles};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,6 +44,17 @@ pub fn defects(cell: &PortCell<'_>, out: &CellStreets) -> Vec<String> {
     let streets: Vec<&Street> = out.streets.iter().map(|s| &s.street).collect();
     if streets.iter().map(|s| s.id).collect::<BTreeSet<_>>().len() != streets.len() {
         bad.push("street id twice".into());
+    }
+    for (i, building) in out.buildings.iter().enumerate() {
+        if !is_simple(&building.outline) || building.outline.iter().any(|p| quantize(*p) != *p) {
+            bad.push("building off the grid, or with an outline that crosses itself".into());
+        }
+        let shared = |other: &PatchBuilding| -> f64 {
+            common_parts(&building.outline, &other.outline).iter().map(|part| signed_area(part)).sum()
+        };
+        if out.buildings[..i].iter().any(|other| shared(other) > 1.0) {
+            bad.push(format!("two buildings at {}", building.outline[0]));
+        }
     }
     if !out.unmet.is_empty() {
         bad.push(format!("{} unmet ports", out.unmet.len()));
@@ -438,6 +450,37 @@ fn pieces_that_there_are_not_are_left_out() {
         assert_eq!(out.left_out.iter().map(|l| l.piece).collect::<Vec<_>>(), [0, 1]);
         assert_eq!(out.streets, fill(&fillers, &cell).streets);
     }
+}
+
+#[test]
+fn pinned_patches_stand_whole_among_tiles() {
+    let all = styles();
+    let (tiled, _) = with_filler(Filler::PatchCity(PatchCityRules::default()));
+    let by_name = tiled.iter().map(|style| (style.name.clone(), Arc::new(style.clone()))).collect();
+    let sets = patch_sets(&[all, tiled.clone()].concat());
+    let fillers = Fillers::new(&by_name, &sets);
+    let drawn: Vec<&Patch> = sets.values().flat_map(|set| &set.patches).filter(|p| p.window.is_none()).collect();
+    let (mut stand, mut tried) = (0, 0);
+    for seed in 0..60 {
+        let cell = PortCell::new(seed, &tiled);
+        let mut rng = Seed(seed).stream("pins", &[]);
+        let patch = drawn[rng.index(drawn.len())];
+        let (at, turned) = (quantize(crate::space::centroid(&cell.border)), rng.range(0.0, 6.0));
+        let pin = PinnedPiece { piece: patch.name.clone(), at, turned, mirrored: false };
+        let out = prepared(&fillers, &cell, vec![pin]).fill(&cell.brief(), &Cancel::new()).expect("nobody cancelled");
+        assert_eq!(defects(&cell, &out), [""; 0], "cell {seed}");
+        tried += 1;
+        if out.left_out.is_empty() {
+            stand += 1;
+            for edge in patch.edges.iter().filter(|e| !e.main) {
+                let middle = patch.vertices[edge.a].midpoint(patch.vertices[edge.b]);
+                let p = at + crate::space::math::rotate(middle, turned);
+                let off = out.streets.iter().map(|s| distance_to_line(p, &s.street.line)).fold(f64::MAX, f64::min);
+                assert!(off < 4.0, "cell {seed}: a street of `{}` is missing at {p}, {off:.1} m", patch.name);
+            }
+        }
+    }
+    assert!(stand * 3 > tried, "{stand} of {tried}");
 }
 
 #[test]

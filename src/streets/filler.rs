@@ -2,6 +2,7 @@
 
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::network::{Junction, JunctionId, Street};
+use crate::patch::PatchBuilding;
 use crate::seam::CellPort;
 use crate::space::Seed;
 use crate::style::{FieldKind, LocalRules, Style};
@@ -155,6 +156,9 @@ pub struct CellStreets {
     pub laid: Vec<(Arc<str>, u32)>,
     /// Where the streets break a rule of the style.
     pub exceptions: Vec<Exception>,
+    /// Buildings that come with the streets, such as those of the maps that pieces are cut out of; local to the town, in metres. They
+    /// overlap no other one, but may overlap streets: they stand where the streets' surface leaves room.
+    pub buildings: Vec<PatchBuilding>,
 }
 
 /// A place where local streets break a rule of their style ([`LocalRules`]).

@@ -3,6 +3,7 @@
 use crate::layer::Cancel;
 use crate::network::{JunctionId, Street, StreetClass, StreetId};
 use crate::parcel::{CellParcels, ParcelBrief, divide};
+use crate::patch::PatchBuilding;
 use crate::space::{Origin, Seed, Stream, left_normal, quantize};
 use crate::style::ParcelRules;
 use crate::terrain::GroundTiles;
@@ -94,12 +95,23 @@ pub(crate) fn block_cell(rng: &mut Stream, columns: usize, rows: usize, pitch: f
 
 /// The blocks, lots and buildings of a cell.
 pub(crate) fn divided(seed: u64, cell: &BlockCell, rules: &ParcelRules) -> CellParcels {
+    divided_with(seed, cell, rules, &[])
+}
+
+/// The same with buildings that come with the streets.
+pub(crate) fn divided_with(
+    seed: u64,
+    cell: &BlockCell,
+    rules: &ParcelRules,
+    buildings: &[PatchBuilding],
+) -> CellParcels {
     let streets: Vec<&Street> = cell.streets.iter().collect();
     let brief = ParcelBrief {
         seed: Seed(seed),
         id: CellId(seed),
         border: &cell.border,
         streets: &streets,
+        buildings,
         rules,
         centrality: 0.5,
         ground: &GroundTiles::new(Arc::new(Flat), 1 << 16),

@@ -9,7 +9,7 @@ mod settlement;
 
 #[cfg(feature = "cli")]
 pub(crate) use area::area;
-pub(crate) use block_cell::{BlockCell, block_cell, divided};
+pub(crate) use block_cell::{BlockCell, block_cell, divided, divided_with};
 pub(crate) use ground::{Countryside, Flat, Ground};
 pub(crate) use port_cell::{PortCell, all_styles, patch_sets, styles};
 pub(crate) use settlement::{SettlementCase, any_settlement, settlement};

@@ -115,6 +115,8 @@ fn a_square_is_made_of_a_map_and_hangs_together() {
     json(&[&extract[..], &["--as", "pieces", "--least-streets", "50"]].concat());
     let pieces = refused(&["synth", &set, "--size", "500", "-o", &drawn]);
     assert!(pieces.contains("no window of a map"), "{pieces}");
+    let large = refused(&["synth", &mask, "--metres-per-pixel", "4", "--size", "500", "--tile", "900", "-o", &drawn]);
+    assert!(large.contains("no window of a map") && large.contains("left out: synth-mask"), "{large}");
 }
 
 /// What two clipped squares side by side have on the side that they share, west of it and east of it: `(x, y)` in millimetres.

@@ -163,7 +163,8 @@ pub fn run(common: &Common, args: &ExtractArgs) -> Result<(), Fail> {
     work::print(common, &json!({ "file": output, "maps": list, "patches": drawings.len(), "bytes": bytes }), &people)
 }
 
-fn left_out_in_words(map: &MapPatches) -> String {
+/// What was left out of a map and why, in words.
+pub fn left_out_in_words(map: &MapPatches) -> String {
     let reasons = map.left_out.iter().map(|(reason, count): (&NoPatch, &usize)| format!("{count} {reason}"));
     let reasons: Vec<String> = reasons.collect();
     if reasons.is_empty() { "none".into() } else { reasons.join(", ") }

@@ -2,7 +2,7 @@
 
 use crate::beside::{self, Building, Plain};
 use crate::common::{Common, Flag};
-use crate::extract::{extract, map_name};
+use crate::extract::{extract, left_out_in_words, map_name};
 use crate::fail::{Fail, refuse_unused};
 use crate::mask::MaskArgs;
 use crate::output::{FileOptions, Format, Output, write, write_pair};
@@ -26,6 +26,15 @@ use std::time::Instant;
 
 /// Least length of streets in a window, in metres.
 const LEAST_STREETS: f64 = 40.0;
+
+/// About how large the parts are in which one of several maps prevails, in metres.
+const BLEND: f64 = 500.0;
+
+/// A size of parts.
+fn blend(text: &str) -> Result<f64, String> {
+    let size = number(text)?;
+    if (50.0..=10_000.0).contains(&size) { Ok(size) } else { Err(format!("{size} is not from 50 to 10000")) }
+}
 
 #[derive(Args)]
 pub struct SynthArgs {
@@ -55,6 +64,9 @@ pub struct SynthArgs {
     /// Use tiles by quarter turns, too, not only as they lie in the map
     #[arg(long)]
     pub quarter_turns: bool,
+    /// About how large the parts are in which one of several maps prevails, in metres, 50 to 10000 [default: 500]
+    #[arg(long, value_name = "M", value_parser = blend)]
+    pub blend: Option<f64>,
     /// Draw the first map beside it at the same scale, in an SVG or PNG
     #[arg(long)]
     pub beside: bool,
@@ -82,21 +94,25 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
         ("--beside", "a picture: a name that ends in .svg or .png", args.beside && !picture),
         ("--beside", "a map as its first file, not a patch set", args.beside && is_set(&args.maps[0])),
         ("--pixels", "a picture: a name that ends in .svg or .png", args.pixels.is_some() && !picture),
+        ("--blend", "several maps", args.blend.is_some() && args.maps.len() == 1 && !all_sets),
         ("--everything", "an OSM file: a name that ends in .osm", args.everything && format != Format::Osm),
         ("--tile", tiles, args.tile.is_some() && all_sets),
         ("--interval", tiles, args.interval.is_some() && all_sets),
         ("--margin", tiles, args.margin.is_some() && all_sets),
         ("--turn", tiles, args.turn.is_some() && all_sets),
     ])?;
-    let patches = patches(common, args)?;
+    let (patches, left_out) = patches(common, args)?;
     let named = patches.iter().map(|patch| (patch, Arc::from(patch.name.as_str())));
     let table = TileTable::new(named, args.quarter_turns);
     if table.is_empty() {
-        return Err(Fail::input("no window of a map is among the patches; extract windows, not pieces"));
+        let left_out = if all_sets { String::new() } else { format!("; left out: {}", left_out.join("; ")) };
+        return Err(Fail::input(format!(
+            "no window of a map is among the patches; extract windows, not pieces, and of no more than the map has room for{left_out}"
+        )));
     }
     let mut file = Output::create(&args.output, &args.maps)?;
     let start = Instant::now();
-    let made = synthesize(&table, args.size, Seed(common.seed()), &Cancel::new())?;
+    let made = synthesize(&table, args.size, args.blend.unwrap_or(BLEND), Seed(common.seed()), &Cancel::new())?;
     let seconds = start.elapsed().as_secs_f64();
     let bounds = Bounds::square(DVec2::ZERO, args.size);
     let mut area = export::streets(bounds, &made.network, CHUNK_SIZE);
@@ -134,8 +150,8 @@ pub fn run(common: &Common, args: &SynthArgs) -> Result<(), Fail> {
     report(common, args, &made, patches.len(), seconds, bytes)
 }
 
-/// The patches of all maps and patch sets.
-fn patches(common: &Common, args: &SynthArgs) -> Result<Vec<Arc<Patch>>, Fail> {
+/// The patches of all maps and patch sets, and what was left out of each map.
+fn patches(common: &Common, args: &SynthArgs) -> Result<(Vec<Arc<Patch>>, Vec<String>), Fail> {
     let (sets, maps): (Vec<PathBuf>, Vec<PathBuf>) = args.maps.iter().cloned().partition(|path| is_set(path));
     let usual = ExtractOptions::default();
     let options = ExtractOptions {
@@ -155,8 +171,9 @@ fn patches(common: &Common, args: &SynthArgs) -> Result<Vec<Arc<Patch>>, Fail> {
         out.extend(set.patches.into_iter().map(Arc::new));
     }
     let found = extract(common, &maps, &args.mask, &options)?;
+    let left_out = found.iter().map(|map| format!("{}: {}", map.map, left_out_in_words(map))).collect();
     out.extend(found.into_iter().flat_map(|map| map.patches).map(|found| Arc::new(found.patch)));
-    Ok(out)
+    Ok((out, left_out))
 }
 
 /// Prints the figures.

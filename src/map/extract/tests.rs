@@ -1,10 +1,11 @@
 //! Patches of maps that are drawn for the test, and of real maps where there are some.
 
 use super::{ExtractOptions, MapPatches, NoPatch, PatchKind, extract, select};
-use crate::map::{Map, MapOptions};
+use crate::map::{Map, MapBuilding, MapOptions};
 use crate::network::StreetClass;
 use crate::patch::{DrawingRules, PatchSet, tag, to_ron};
 use crate::space::math::{angle_of, rotate};
+use crate::space::signed_area;
 use glam::DVec2;
 use std::path::Path;
 
@@ -70,6 +71,66 @@ fn windows_are_turned_as_the_streets_of_the_map() {
     let crossings = found.patches.iter().filter(|p| has_crossing(&p.patch)).count();
     assert!(crossings * 4 > found.patches.len() * 3, "{crossings} of {}", found.patches.len());
     assert!(found.patches.iter().any(|p| p.patch.edges.iter().any(|e| e.class == StreetClass::Arterial)));
+}
+
+/// The grid, with a house of 12 by 10 m in the corner of each block.
+fn built_grid() -> Map {
+    let corner = |x: i32, y: i32| DVec2::new(90.0 * f64::from(x) + 15.0, 70.0 * f64::from(y) + 15.0);
+    let house = |x: i32, y: i32| {
+        let size = [(0.0, 0.0), (12.0, 0.0), (12.0, 10.0), (0.0, 10.0)];
+        let outline = size.map(|(w, h)| rotate(corner(x, y) + DVec2::new(w, h), 20f64.to_radians()));
+        MapBuilding { id: 0, outline: outline.to_vec(), holes: Vec::new(), height: Some(9.0), storeys: Some(3) }
+    };
+    let buildings = (0..144).map(|i| house(i % 12, i / 12)).collect();
+    Map { buildings, ..grid() }
+}
+
+#[test]
+fn windows_hold_the_buildings_whose_middles_lie_in_them() {
+    let options = ExtractOptions { keep_duplicates: true, ..ExtractOptions::default() };
+    let found = extracted(&built_grid(), &options);
+    assert_eq!(found.buildings, 144);
+    let mut counts = Vec::new();
+    for patch in found.patches.iter().map(|p| &p.patch) {
+        let window = patch.window.as_ref().expect("a window");
+        counts.push(window.buildings.len());
+        for building in &window.buildings {
+            let middle = crate::space::centroid(&building.outline);
+            assert!(middle.abs().max_element() <= window.size / 2.0 + window.margin + 0.1);
+            assert!((signed_area(&building.outline) - 120.0).abs() < 1.0 && building.height == Some(9.0));
+            // Its sides lie along those of the window, as the streets do.
+            let side = building.outline[1] - building.outline[0];
+            assert!(side.x.abs().min(side.y.abs()) < 0.1, "{side}");
+        }
+    }
+    // 240 m of blocks of 90 by 70 m.
+    let mean = counts.iter().sum::<usize>() as f64 / counts.len() as f64;
+    assert!((mean - 240.0 * 240.0 / (90.0 * 70.0)).abs() < 1.5, "{mean}");
+    let drawings: Vec<_> = found.patches.iter().map(|p| p.drawing.clone()).collect();
+    let set = PatchSet::from_ron("built.ron", &to_ron(&drawings)).unwrap_or_else(|e| panic!("{e}"));
+    for (read, made) in set.patches.iter().zip(&found.patches) {
+        let buildings = |p: &crate::patch::Patch| p.window.as_ref().map(|w| w.buildings.clone());
+        assert_eq!(buildings(read), buildings(&made.patch));
+    }
+}
+
+#[test]
+fn a_map_ends_where_its_junctions_do() {
+    // Streets that go on far beyond the others, as those do that an extract cuts off by whole ways.
+    let p = DVec2::new;
+    let mut lines: Vec<(&str, Vec<DVec2>)> = Vec::new();
+    for i in 0..=10 {
+        let at = f64::from(i) * 80.0;
+        let far = if i % 3 == 0 { 2_400.0 } else { 800.0 };
+        lines.push(("residential", (0..=10).map(|k| p(f64::from(k) * 80.0, at)).chain([p(far + 1.0, at)]).collect()));
+        lines.push(("residential", (0..=10).map(|k| p(at, f64::from(k) * 80.0)).chain([p(at, far + 1.0)]).collect()));
+    }
+    let options = ExtractOptions { turn_deg: Some(0.0), keep_duplicates: true, ..ExtractOptions::default() };
+    let found = extracted(&map_of(&lines), &options);
+    let windows = found.patches.iter().filter_map(|p| p.patch.window.as_ref());
+    let ends = windows.map(|w| w.at).fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), at| (a.min(at), b.max(at)));
+    let room = (ends.1 - ends.0) + 200.0;
+    assert!(room.x > 700.0 && room.y > 700.0 && room.max_element() < 950.0, "{room}");
 }
 
 #[test]

@@ -8,11 +8,8 @@ use super::mosaic::Mosaic;
 use super::weave::Warp;
 use super::window::turned;
 use crate::patch::PatchBuilding;
-use crate::space::{Bounds, centroid, point_in_polygon, polygon_distance, signed_area};
+use crate::space::{Bounds, centroid, common_parts, point_in_polygon, polygon_distance, signed_area};
 use glam::DVec2;
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
 use std::collections::BTreeMap;
 
 /// Edge of the squares by which buildings are found, in metres.
@@ -88,19 +85,11 @@ pub fn settle(sites: Vec<Site>, is_free: impl Fn(&Site, &[DVec2]) -> bool) -> Ve
 fn part(site: &Site) -> Option<Vec<DVec2>> {
     let Bounds { min, max } = site.tile;
     let square = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-    let parts = common(&site.building.outline, &square);
+    let parts = common_parts(&site.building.outline, &square);
     let part = parts.into_iter().max_by(|a, b| signed_area(a).total_cmp(&signed_area(b)))?;
     let (area, whole) = (signed_area(&part), signed_area(&site.building.outline));
     let border: f64 = (0..part.len()).map(|i| part[i].distance(part[(i + 1) % part.len()])).sum();
     (area >= LEAST_PART.1.max(LEAST_PART.0 * whole) && area >= LEAST_WIDTH * border).then_some(part)
-}
-
-/// What two polygons have in common.
-fn common(a: &[DVec2], b: &[DVec2]) -> Vec<Vec<DVec2>> {
-    let points = |polygon: &[DVec2]| -> Vec<[f64; 2]> { polygon.iter().map(|p| p.to_array()).collect() };
-    let shapes = points(a).overlay(&points(b), OverlayRule::Intersect, FillRule::NonZero);
-    let outer = shapes.into_iter().filter_map(|shape| shape.into_iter().next());
-    outer.map(|ring| ring.into_iter().map(DVec2::from_array).collect()).collect()
 }
 
 /// Whether a street runs through a building, or nearer to it than `gap` metres.
@@ -141,9 +130,75 @@ impl Standing {
         near.dedup();
         near.retain(|i| self.bounds[*i as usize].overlaps(bounds));
         let shared = |i: &u32| -> f64 {
-            let parts = common(&self.buildings[*i as usize].outline, outline);
+            let parts = common_parts(&self.buildings[*i as usize].outline, outline);
             parts.iter().map(|part| signed_area(part)).sum()
         };
         near.iter().any(|i| shared(i) > SHARED)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+
+    fn rectangle(corner: DVec2, size: DVec2) -> Vec<DVec2> {
+        let DVec2 { x, y } = corner;
+        [(x, y), (x + size.x, y), (x + size.x, y + size.y), (x, y + size.y)].map(DVec2::from).to_vec()
+    }
+
+    fn site(tile: f64, outline: Vec<DVec2>) -> Site {
+        let tile = Bounds::square(DVec2::new(tile, 0.0), 100.0);
+        Site { building: PatchBuilding { outline, height: None, storeys: None }, tile, patch: 0 }
+    }
+
+    fn areas(buildings: &[PatchBuilding]) -> Vec<f64> {
+        buildings.iter().map(|b| (signed_area(&b.outline) * 1e3).round() / 1e3).collect()
+    }
+
+    #[test]
+    fn a_building_across_a_side_stands_once_and_others_are_cut_where_they_meet_it() {
+        let v = DVec2::new;
+        let sites = || {
+            vec![
+                site(-50.0, rectangle(v(-12.0, 0.0), v(20.0, 10.0))),
+                site(50.0, rectangle(v(-4.0, 5.0), v(12.0, 10.0))),
+                site(50.0, rectangle(v(-4.0, 40.0), v(12.0, 10.0))),
+                site(50.0, rectangle(v(5.0, 7.0), v(30.0, 20.0))),
+            ]
+        };
+        // The large house within its tile comes first, then the one of 200 m2 is cut at the side; the third meets nothing.
+        let stands = areas(&settle(sites(), |_, _| true));
+        assert_eq!(stands, [600.0, 120.0, 120.0], "the house of 120 m2 that both of them meet has too little left");
+        let none = settle(sites(), |site, _| site.tile.centre().x < 0.0);
+        assert_eq!(areas(&none), [200.0], "whole where nothing else is");
+    }
+
+    #[test]
+    fn no_two_buildings_share_land_wherever_tiles_put_them() {
+        let mut rng = Seed(5).stream("buildings", &[]);
+        for _ in 0..60 {
+            let sites: Vec<Site> = (0..40)
+                .flat_map(|i| {
+                    // In rows within each tile, so that those of one tile share nothing.
+                    let tile = if i % 2 == 0 { -50.0 } else { 50.0 };
+                    let y = f64::from(i / 2) * 5.0 - 50.0;
+                    let x = if i % 2 == 0 { -rng.range(2.0, 30.0) } else { rng.range(-10.0, 5.0) };
+                    let size = DVec2::new(rng.range(6.0, 30.0), rng.range(3.0, 4.9));
+                    let outline = rectangle(DVec2::new(x, y + rng.range(-2.0, 0.0) * f64::from(i % 2)), size);
+                    let own = Bounds::square(DVec2::new(tile, 0.0), 100.0).contains(centroid(&outline));
+                    own.then(|| site(tile, outline))
+                })
+                .collect();
+            let count = sites.len();
+            let stands = settle(sites, |_, _| true);
+            assert!(stands.len() * 3 > count && stands.len() <= count);
+            for (i, a) in stands.iter().enumerate() {
+                for b in &stands[..i] {
+                    let shared: f64 = common_parts(&a.outline, &b.outline).iter().map(|p| signed_area(p)).sum();
+                    assert!(shared <= SHARED, "{shared} m2");
+                }
+            }
+        }
     }
 }

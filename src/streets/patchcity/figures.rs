@@ -38,6 +38,11 @@ impl Figures {
         Self([length as f32, main as f32, count(&|d| d > 2), count(&|d| d == 1), built as f32])
     }
 
+    /// Number of junctions, and of dead ends.
+    pub fn ends(&self) -> (f32, f32) {
+        (self.0[2], self.0[3])
+    }
+
     /// Makes figures deviations from the mean of all, which count by `weights`.
     pub fn compare(all: &mut [Self], weights: &[f32]) {
         let whole = weights.iter().sum::<f32>().max(f32::MIN_POSITIVE);

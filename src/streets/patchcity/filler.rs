@@ -1,11 +1,15 @@
 //! The filler: tiles of real or drawn maps in main cells.
 
-use super::lay::lay;
+use super::blend::Blend;
+use super::lay::{Laid, lay};
+use super::pins::Pins;
 use super::table::TileTable;
 use crate::layer::{Cancel, LayerError, Weigh};
 use crate::patch::{Patch, PatchSet};
-use crate::streets::cell::{Draft, connect_parts, finish, grow_from_stubs, lay_stubs, make_fair, propagate, repair};
-use crate::streets::filler::{CellBrief, CellFiller, CellStreets, CellToFill, FilledTown, Filler, LeftOut, TownToFill};
+use crate::streets::cell::{
+    Draft, connect_parts, finish, floating, grow_from_stubs, lay_stubs, make_fair, propagate, repair,
+};
+use crate::streets::filler::{CellBrief, CellFiller, CellStreets, CellToFill, FilledTown, Filler, TownToFill};
 use crate::style::{self, PatchCityRules, Style};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,6 +26,7 @@ struct Kit {
 /// Tiles side by side (Bustard and de Valmency 2015).
 pub struct PatchCity {
     kits: BTreeMap<String, Kit>,
+    sets: BTreeMap<String, Arc<PatchSet>>,
 }
 
 impl PatchCity {
@@ -32,7 +37,7 @@ impl PatchCity {
             let table = Arc::new(table(style, &rules, sets));
             Some((name.clone(), Kit { rules, table }))
         };
-        Self { kits: styles.iter().filter_map(kit).collect() }
+        Self { kits: styles.iter().filter_map(kit).collect(), sets: sets.clone() }
     }
 
     /// The kit of the style that has the greatest share of a cell.
@@ -55,12 +60,14 @@ fn table(style: &Style, rules: &PatchCityRules, sets: &BTreeMap<String, Arc<Patc
 
 impl Filler for PatchCity {
     fn prepare(&self, town: &TownToFill<'_>) -> Result<FilledTown, LayerError> {
+        let number = town.cells.iter().map(|cell| cell.brief.id.0).min().unwrap_or(0);
         let filler = |cell: &CellToFill<'_>| {
             let kit = self.kit(cell);
             Arc::new(TileFiller {
                 table: kit.map(|kit| kit.table.clone()),
                 rules: kit.map_or_else(PatchCityRules::default, |kit| kit.rules),
-                pinned: cell.pinned.len(),
+                town: number,
+                pins: Pins::new(&cell.pinned, &self.sets),
             }) as Arc<dyn CellFiller>
         };
         Ok(FilledTown { fillers: town.cells.iter().map(filler).collect(), short_counts: Vec::new() })
@@ -77,35 +84,54 @@ struct TileFiller {
     /// The tiles; without any, streets only grow.
     table: Option<Arc<TileTable>>,
     rules: PatchCityRules,
-    /// Number of pieces that the user pinned in the cell; none of them can stand.
-    pinned: usize,
+    /// A number that all cells of the town share.
+    town: u64,
+    /// The patches that the user pinned in the cell.
+    pins: Pins,
 }
 
 impl CellFiller for TileFiller {
     fn fill(&self, brief: &CellBrief<'_>, cancel: &Cancel) -> Result<CellStreets, LayerError> {
-        let mut draft = Draft::new(brief);
-        lay_stubs(&mut draft);
-        cancel.check()?;
-        let mut stands = BTreeMap::new();
-        let mut names: &[Arc<str>] = &[];
-        match self.table.as_deref().filter(|table| !table.is_empty() && !brief.ports.is_empty()) {
-            Some(table) => {
-                draft.canvas.stamp_stubs(brief.ports);
-                stands = lay(&mut draft, table, &self.rules, cancel)?;
-                names = &table.names;
+        let blend = Blend { seed: brief.seed, town: self.town, size: self.rules.blend };
+        let mut unfit = Vec::new();
+        let pinned = self.pins.names();
+        loop {
+            let mut draft = Draft::new(brief);
+            lay_stubs(&mut draft);
+            let standing = self.pins.lay(&mut draft, &mut unfit);
+            cancel.check()?;
+            let mut laid = Laid::default();
+            let mut names = pinned.to_vec();
+            match self.table.as_deref().filter(|table| !table.is_empty() && !brief.ports.is_empty()) {
+                Some(table) => {
+                    draft.canvas.stamp_stubs(brief.ports);
+                    laid = lay(&mut draft, table, &self.rules, blend, pinned.len() as u32, cancel)?;
+                    names.extend(table.names.iter().cloned());
+                }
+                None => {
+                    grow_from_stubs(&mut draft);
+                    propagate(&mut draft, cancel, |_, _, _, _| false)?;
+                }
             }
-            None => {
-                grow_from_stubs(&mut draft);
-                propagate(&mut draft, cancel, |_, _, _, _| false)?;
+            connect_parts(&mut draft);
+            cancel.check()?;
+            repair(&mut draft, &standing.anchors, cancel)?;
+            make_fair(&mut draft);
+            let cut_off = floating(&draft, &standing.anchors);
+            if cut_off.is_empty() {
+                let tiles = laid.stands.into_iter().map(|(piece, count)| (names[piece as usize].clone(), count));
+                return Ok(CellStreets {
+                    left_out: self.pins.left_out(&unfit),
+                    laid: standing.laid.into_iter().chain(tiles).collect(),
+                    buildings: laid.buildings,
+                    ..finish(&draft, NAME, &names)
+                });
             }
+            // Nothing may float: once more without the patches that could not be reached.
+            unfit.extend(Pins::of(&standing, cut_off));
+            unfit.sort_unstable();
+            unfit.dedup();
         }
-        connect_parts(&mut draft);
-        cancel.check()?;
-        repair(&mut draft, &[], cancel)?;
-        make_fair(&mut draft);
-        let left_out = (0..self.pinned).map(|piece| LeftOut { piece, reason: "cannot stand among tiles" });
-        let laid = stands.into_iter().map(|(patch, count)| (names[patch as usize].clone(), count));
-        Ok(CellStreets { left_out: left_out.collect(), laid: laid.collect(), ..finish(&draft, NAME, names) })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Laying a mosaic in a main cell: its streets, from junction to junction, each if it keeps the rules of the cell.
 
+use super::blend::Blend;
+use super::buildings::{Site, settle, sites};
 use super::consolidate::{End, Strip, strips};
 use super::mend::Mending;
 use super::mosaic::{Mosaic, Plan};
@@ -7,8 +9,9 @@ use super::table::TileTable;
 use super::weave::{Woven, weave};
 use crate::layer::{Cancel, LayerError};
 use crate::network::VertexIx;
+use crate::patch::PatchBuilding;
 use crate::space::math::{direction, rotate};
-use crate::space::{Bounds, centroid, distance_to_segment, point_in_polygon, quantize};
+use crate::space::{Bounds, centroid, distance_to_segment, is_simple, point_in_polygon, quantize};
 use crate::streets::cell::{Draft, Join, Maker, stub_end};
 use crate::style::PatchCityRules;
 use glam::DVec2;
@@ -50,7 +53,16 @@ impl Frame {
     }
 }
 
-/// Lays tiles in a cell whose stubs are laid; gives how often each patch stands, by its number in the table.
+/// What was laid in a cell.
+#[derive(Default)]
+pub struct Laid {
+    /// How often each patch stands, by the number of its piece.
+    pub stands: BTreeMap<u32, u32>,
+    /// The buildings of the tiles, local to the town.
+    pub buildings: Vec<PatchBuilding>,
+}
+
+/// Lays tiles in a cell whose stubs and pinned patches are laid. The patches of the table are pieces from number `first` on.
 ///
 /// # Errors
 ///
@@ -59,8 +71,10 @@ pub fn lay(
     draft: &mut Draft<'_>,
     table: &TileTable,
     rules: &PatchCityRules,
+    blend: Blend,
+    first: u32,
     cancel: &Cancel,
-) -> Result<BTreeMap<u32, u32>, LayerError> {
+) -> Result<Laid, LayerError> {
     let frame = Frame::of(draft, table.size);
     let border: Vec<DVec2> = draft.brief.border.iter().map(|p| frame.to_grid(*p)).collect();
     let stubs: Vec<DVec2> = (0..draft.brief.ports.len()).map(|port| frame.to_grid(stub(draft, port))).collect();
@@ -81,19 +95,27 @@ pub fn lay(
         let off = here.map(|stub| table.window(tile).distance(turns, *stub - square.centre()).min(PORT.1) * PORT.0);
         off.map(|off| (off * off) as f32).sum()
     };
+    let maps = |middle: DVec2| blend.costs(&table.maps, frame.to_cell(middle));
     let grid = (frame.columns, frame.rows);
-    let mosaic = Mosaic::fill(table, &Plan { grid, wanted: &wanted, also: &also }, &mut draft.rng, cancel)?;
+    let mosaic =
+        Mosaic::fill(table, &Plan { grid, wanted: &wanted, also: &also, maps: &maps }, &mut draft.rng, cancel)?;
     let mut stands = BTreeMap::new();
-    mosaic.tiles().for_each(|(choice, _)| *stands.entry(table.tile(choice.tile).patch).or_default() += 1);
-    let Woven { mut graph, loose, moved, .. } = weave(&mosaic);
+    mosaic.tiles().for_each(|(choice, _)| *stands.entry(first + table.tile(choice.tile).patch).or_default() += 1);
+    let Woven { mut graph, loose, moved, warps } = weave(&mosaic);
+    let is_inside = |_: &Site, outline: &[DVec2]| outline.iter().all(|p| point_in_polygon(*p, &border));
+    let mut buildings = settle(sites(&mosaic, &warps), is_inside);
+    buildings.iter_mut().flat_map(|b| &mut b.outline).for_each(|p| *p = frame.to_cell(*p));
+    buildings.retain(|b| is_simple(&b.outline));
     let mut mending = Mending::new(&mut graph);
     mending.untangle(&moved);
-    mending.lead_on(&loose, 0.4 * table.size);
+    mending.lead_on(&loose, 0.4 * table.size, table.has_dead_ends());
     cancel.check()?;
-    let mut strips = strips(&graph, draft.rules.local.min_length, |p| frame.to_cell(p), |p| has_room(draft, p));
+    let pinned = pinned(draft);
+    let has_room = |p: DVec2| has_room(draft, &pinned, p);
+    let mut strips = strips(&graph, draft.rules.local.min_length, |p| frame.to_cell(p), has_room);
     lead_to_ports(draft, &mut strips, rules.port_reach);
-    lay_strips(draft, strips, cancel)?;
-    Ok(stands)
+    lay_strips(draft, strips, first, cancel)?;
+    Ok(Laid { stands, buildings })
 }
 
 /// The end of a port's stub.
@@ -101,8 +123,19 @@ fn stub(draft: &Draft<'_>, port: usize) -> DVec2 {
     draft.canvas.graph.at(stub_end(draft.brief.ports.len(), port))
 }
 
-/// Whether a street may pass a point: it lies in the cell, as far from its border as streets must.
-fn has_room(draft: &Draft<'_>, p: DVec2) -> bool {
+/// The streets of pinned patches.
+fn pinned(draft: &Draft<'_>) -> Vec<(DVec2, DVec2)> {
+    let is_pinned = |v: VertexIx| draft.canvas.nodes[v as usize].pinned;
+    let graph = &draft.canvas.graph;
+    let edges = graph.edges().filter(|(_, edge)| is_pinned(edge.a) && is_pinned(edge.b));
+    edges.map(|(e, _)| graph.segment(e)).collect()
+}
+
+/// Whether a street may pass a point: it lies in the cell, as far from its border and from pinned patches as streets must.
+fn has_room(draft: &Draft<'_>, pinned: &[(DVec2, DVec2)], p: DVec2) -> bool {
+    if pinned.iter().any(|(a, b)| distance_to_segment(p, *a, *b) < draft.rules.local.clearance) {
+        return false;
+    }
     let least = draft.rules.repair.wall_gap;
     let border = draft.brief.border;
     let sides = (0..border.len()).map(|i| (border[i], border[(i + 1) % border.len()]));
@@ -140,7 +173,7 @@ fn lead_to_ports(draft: &Draft<'_>, strips: &mut [Strip], reach: f64) {
 }
 
 /// Lays streets, those first that go on from streets that are there.
-fn lay_strips(draft: &mut Draft<'_>, strips: Vec<Strip>, cancel: &Cancel) -> Result<(), LayerError> {
+fn lay_strips(draft: &mut Draft<'_>, strips: Vec<Strip>, first: u32, cancel: &Cancel) -> Result<(), LayerError> {
     let mut vertices: BTreeMap<VertexIx, VertexIx> = BTreeMap::new();
     let mut left: Vec<Strip> = strips;
     left.sort_by(|a, b| b.length().total_cmp(&a.length()));
@@ -156,13 +189,13 @@ fn lay_strips(draft: &mut Draft<'_>, strips: Vec<Strip>, cancel: &Cancel) -> Res
         let next = left.iter().position(goes_on).unwrap_or(0);
         let mut strip = left.remove(next);
         strip.straighten(draft.rules.repair.bend_cosine);
-        lay_strip(draft, &strip, &mut vertices);
+        lay_strip(draft, &strip, first, &mut vertices);
     }
     Ok(())
 }
 
 /// Lays a street if it keeps the rules of repair.
-fn lay_strip(draft: &mut Draft<'_>, strip: &Strip, vertices: &mut BTreeMap<VertexIx, VertexIx>) {
+fn lay_strip(draft: &mut Draft<'_>, strip: &Strip, first: u32, vertices: &mut BTreeMap<VertexIx, VertexIx>) {
     let ports = draft.brief.ports.len();
     let join = |end: End| match end {
         End::Port(port) => Join::At(stub_end(ports, port)),
@@ -171,7 +204,7 @@ fn lay_strip(draft: &mut Draft<'_>, strip: &Strip, vertices: &mut BTreeMap<Verte
         End::Dead => Join::Free(false),
     };
     let limits = draft.rules.repair;
-    let maker = strip.patch.map_or(Maker::Repair, Maker::Piece);
+    let maker = strip.patch.map_or(Maker::Repair, |patch| Maker::Piece(first + patch));
     draft.canvas.gather(Bounds::of(strip.line.iter().copied()), limits.reach() + 1.0, &mut draft.trial.near);
     draft.trial.proposal.line(&strip.line, join(strip.first), join(strip.last));
     if draft.build_if_fits(&limits, maker) {

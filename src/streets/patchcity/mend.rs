@@ -21,6 +21,9 @@ const SLACK: (f64, f64) = (1.5, 30.0);
 const STRAIGHT_ON: f64 = 160.0;
 /// Distance that an added street keeps from others, and length at both its ends within which it need not, in metres.
 const CLEARANCE: (f64, f64) = (14.0, 16.0);
+/// Least length of a street that becomes a dead end, and how far from the side of the tile it ends, in metres.
+const LEAST_DEAD_END: f64 = 50.0;
+const OFF_SIDE: f64 = 14.0;
 /// Number of streets that are tried for a connection.
 const TRIES: usize = 40;
 
@@ -72,7 +75,8 @@ impl<'g> Mending<'g> {
 
     /// Leads streets on that end at the side of a tile, or takes them back to where they came from. `reach` is the length in metres of
     /// the longest street that is added.
-    pub fn lead_on(&mut self, loose: &[VertexIx], reach: f64) {
+    /// With `dead_ends`, as in a map that has them, long ones end a little before the side instead.
+    pub fn lead_on(&mut self, loose: &[VertexIx], reach: f64, dead_ends: bool) {
         for &v in loose {
             let Some(&own) = self.graph.edges_at(v).first().filter(|_| self.graph.degree(v) == 1) else { continue };
             let at = self.graph.at(v);
@@ -92,6 +96,7 @@ impl<'g> Mending<'g> {
             let found = straight.into_iter().chain(links.into_iter().take(TRIES)).find(|link| self.keeps_rules(link));
             match found {
                 Some(link) => self.build(&link, class),
+                None if dead_ends && self.length_to_junction(v) > LEAST_DEAD_END => self.shorten(v, own),
                 None => self.take_back(v),
             }
         }
@@ -275,6 +280,33 @@ impl<'g> Mending<'g> {
             }
         }
         out
+    }
+
+    /// Length of a street from its loose end to the next junction, in metres.
+    fn length_to_junction(&self, loose: VertexIx) -> f64 {
+        let (mut at, mut before, mut length) = (loose, None, 0.0);
+        loop {
+            let next = self.graph.edges_at(at).iter().find(|e| Some(**e) != before);
+            let Some(&edge) = next.filter(|_| at == loose || self.graph.degree(at) == 2) else { return length };
+            length += self.graph.edge_length(edge);
+            (at, before) = (self.graph.edge(edge).other(at), Some(edge));
+            if at == loose {
+                return length;
+            }
+        }
+    }
+
+    /// Makes a dead end of a loose one, off the side of the tile.
+    fn shorten(&mut self, loose: VertexIx, edge: EdgeIx) {
+        let to = self.graph.edge(edge).other(loose);
+        let (end, at) = (self.graph.at(loose), self.graph.at(to));
+        let Some(old) = self.graph.remove_edge(edge) else { return };
+        let length = end.distance(at);
+        if length > 2.0 * OFF_SIDE {
+            let v = self.graph.add_vertex(end.lerp(at, OFF_SIDE / length));
+            let new = self.graph.add_edge(v, to, old.data);
+            self.buckets.add(self.graph, new);
+        }
     }
 
     /// Removes a street from its loose end to the next junction.

@@ -5,6 +5,7 @@
 //! loose a way on, and `buildings` says which buildings stand. `synthesis` makes a square of them without a world; `lay` and `consolidate` fit them into a main cell, whose
 //! rules every street keeps.
 
+mod blend;
 mod buckets;
 mod buildings;
 mod choose;
@@ -15,6 +16,7 @@ mod filler;
 mod lay;
 mod mend;
 mod mosaic;
+mod pins;
 mod side;
 mod synthesis;
 mod table;

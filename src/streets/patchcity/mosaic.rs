@@ -45,6 +45,8 @@ pub struct Plan<'a> {
     pub wanted: &'a dyn Fn(usize, usize) -> bool,
     /// Cost of a tile at a column and row besides that of its sides.
     pub also: &'a dyn Fn(u32, usize, usize) -> f32,
+    /// Cost of tiles of each map around the middle of a tile, if there are several.
+    pub maps: &'a dyn Fn(DVec2) -> Vec<f32>,
 }
 
 impl<'t> Mosaic<'t> {
@@ -61,10 +63,14 @@ impl<'t> Mosaic<'t> {
             for row in 0..rows {
                 cancel.check()?;
                 for column in (0..columns).filter(|column| (plan.wanted)(*column, row)) {
-                    if round == 0
-                        || mosaic.cost(column, row) + (plan.also)(mosaic.tile(column, row), column, row) > POOR
-                    {
-                        mosaic.place(column, row, &|tile| (plan.also)(tile, column, row), rng);
+                    let maps = (plan.maps)(mosaic.middle(column, row));
+                    let also = |tile: u32| {
+                        let map = table.window(tile).map as usize;
+                        (plan.also)(tile, column, row) + maps.get(map).copied().unwrap_or(0.0)
+                    };
+                    let cost = || mosaic.at(column, row).map(|own| mosaic.cost(column, row) + also(own.choice.tile));
+                    if round == 0 || cost().is_some_and(|cost| cost > POOR) {
+                        mosaic.place(column, row, &also, rng);
                     }
                 }
             }
@@ -78,10 +84,6 @@ impl<'t> Mosaic<'t> {
             return None;
         }
         self.cells.get(row * self.columns + column)?.as_ref()
-    }
-
-    fn tile(&self, column: usize, row: usize) -> u32 {
-        self.at(column, row).map_or(0, |placed| placed.choice.tile)
     }
 
     /// The place in the grid beside another.

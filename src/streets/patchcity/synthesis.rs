@@ -1,5 +1,6 @@
 //! A square made from maps, without a world: the job of Bustard and de Valmency 2015.
 
+use super::blend::Blend;
 use super::buckets::Buckets;
 use super::buildings::{Site, is_near, settle, sites};
 use super::mend::Mending;
@@ -41,25 +42,34 @@ pub struct Synthesis {
     pub repeats: usize,
 }
 
-/// Makes a square of edge `size` metres from the tiles of a table.
+/// Makes a square of edge `size` metres from the tiles of a table. Where they are of several maps, one of them prevails in parts of about
+/// `blend` metres.
 ///
 /// # Errors
 ///
 /// Only if the work is cancelled.
-pub fn synthesize(table: &TileTable, size: f64, seed: Seed, cancel: &Cancel) -> Result<Synthesis, LayerError> {
+pub fn synthesize(
+    table: &TileTable,
+    size: f64,
+    blend: f64,
+    seed: Seed,
+    cancel: &Cancel,
+) -> Result<Synthesis, LayerError> {
     if table.is_empty() {
         return Ok(Synthesis::default());
     }
     let count = (size / table.size).ceil().max(1.0) as usize;
     let mut rng = seed.stream("synthesis", &[]);
-    let plan = Plan { grid: (count, count), wanted: &|_, _| true, also: &|_, _, _| 0.0 };
+    let blend = Blend { seed, town: 0, size: blend };
+    let maps = |middle: DVec2| blend.costs(&table.maps, middle);
+    let plan = Plan { grid: (count, count), wanted: &|_, _| true, also: &|_, _, _| 0.0, maps: &maps };
     let mosaic = Mosaic::fill(table, &plan, &mut rng, cancel)?;
     let (tiles, repeats) = (mosaic.tiles().count(), mosaic.repeated());
     let Woven { mut graph, loose, moved, warps } = weave(&mosaic);
     let sites = sites(&mosaic, &warps);
     let mut mending = Mending::new(&mut graph);
     mending.untangle(&moved);
-    mending.lead_on(&loose, LEAD_ON * table.size);
+    mending.lead_on(&loose, LEAD_ON * table.size, table.has_dead_ends());
     cancel.check()?;
     let is_loose = |v: &&VertexIx| graph.degree(**v) == 1;
     let mismatched_seams = loose.iter().filter(is_loose).count();

@@ -17,6 +17,9 @@ const ANY: usize = COUNTS;
 /// Edge of the squares by which patches are found by their places, in metres.
 const SQUARE: f64 = 25.0;
 
+/// Share of dead ends among junctions and dead ends from which on dead ends are usual.
+const MANY_DEAD_ENDS: f32 = 0.14;
+
 /// A window of a map, turned.
 #[derive(Clone, Copy, Debug)]
 pub struct Tile {
@@ -46,8 +49,12 @@ pub struct TileTable {
     pub names: Vec<Arc<str>>,
     /// What each window holds, against the others.
     figures: Vec<Figures>,
+    /// Share of dead ends among junctions and dead ends.
+    dead_ends: f32,
     /// The streets of each window.
     windows: Vec<Window>,
+    /// Names of the maps that they are from, by the number of [`Window::map`].
+    pub maps: Vec<u64>,
     /// Edge of a tile in metres.
     pub size: f64,
     tiles: Vec<Tile>,
@@ -66,15 +73,16 @@ fn square_of(place: DVec2) -> (i64, i64) {
     (square.x, square.y)
 }
 
-/// What windows hold, against each other.
-fn figures(patches: &[Arc<Patch>], windows: &[Window]) -> Vec<Figures> {
+/// What windows hold, against each other, and the share of dead ends among their junctions and dead ends.
+fn figures(patches: &[Arc<Patch>], windows: &[Window]) -> (Vec<Figures>, f32) {
     let figures = |(patch, window): (&Arc<Patch>, &Window)| {
         let Some(of) = &patch.window else { return Figures::default() };
         Figures::of(&window.cut(0, DVec2::ZERO), &of.buildings, of.size / 2.0)
     };
     let mut out: Vec<Figures> = patches.iter().zip(windows).map(figures).collect();
+    let (junctions, ends) = out.iter().map(Figures::ends).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     Figures::compare(&mut out, &weights(windows));
-    out
+    (out, ends / (junctions + ends).max(1.0))
 }
 
 /// What windows count for, so that all land of their maps counts the same: land at the border of a map is in few windows.
@@ -105,22 +113,25 @@ impl TileTable {
         let size = counts.into_iter().max_by_key(|(_, count)| *count).map_or(0.0, |(bits, _)| f64::from_bits(bits));
         let usual = all.into_iter().filter(|window| window.0 == size);
         let (patches, names): (Vec<_>, Vec<_>) = usual.map(|(_, patch, name)| (patch.clone(), name)).unzip();
-        let windows = windows(&patches);
+        let (windows, maps) = windows(&patches);
         let mut by_place: BTreeMap<(u32, i64, i64), Vec<u32>> = BTreeMap::new();
         for (patch, window) in windows.iter().enumerate() {
             let (x, y) = square_of(window.place);
             by_place.entry((window.map, x, y)).or_default().push(patch as u32);
         }
+        let (figures, dead_ends) = figures(&patches, &windows);
         let mut table = Self {
             tile_of: vec![[None; 4]; patches.len()],
             by_place,
             by_counts: vec![Vec::new(); (COUNTS + 1) * (COUNTS + 1)],
             tiles: Vec::new(),
             crossings: Vec::new(),
-            figures: figures(&patches, &windows),
+            dead_ends,
+            figures,
             patches,
             names,
             windows,
+            maps,
             size,
         };
         let turns = if turned { 4 } else { 1 };
@@ -161,6 +172,11 @@ impl TileTable {
     /// The streets of a tile's window.
     pub fn window(&self, number: u32) -> &Window {
         &self.windows[self.tile(number).patch as usize]
+    }
+
+    /// Whether dead ends are usual in its maps.
+    pub fn has_dead_ends(&self) -> bool {
+        self.dead_ends > MANY_DEAD_ENDS
     }
 
     /// What a tile holds, against the others.

@@ -161,3 +161,44 @@ pub fn weave(mosaic: &Mosaic<'_>) -> Woven {
     woven.loose.retain(|v| woven.graph.degree(*v) == 1);
     woven
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+
+    fn warp(west: &[(f64, f64)], south: &[(f64, f64)]) -> Warp {
+        Warp { half: 100.0, sides: [west.to_vec(), Vec::new(), south.to_vec(), Vec::new()] }
+    }
+
+    #[test]
+    fn a_side_moves_with_its_streets_and_the_middle_stays() {
+        let warp = warp(&[(-40.0, 8.0), (40.0, -4.0)], &[]);
+        let at = |x: f64, y: f64| warp.of(DVec2::new(x, y)) - DVec2::new(x, y);
+        assert_eq!(at(-100.0, -40.0), DVec2::Y * 8.0);
+        assert_eq!(at(-100.0, 0.0), DVec2::Y * 2.0, "between the streets");
+        assert_eq!(at(-100.0, 90.0), DVec2::Y * -4.0, "beyond them");
+        assert_eq!(at(-55.0, -40.0), DVec2::Y * 4.0, "half as far in");
+        assert_eq!([at(0.0, -40.0), at(100.0, -40.0)], [DVec2::ZERO; 2]);
+    }
+
+    #[test]
+    fn what_lies_in_order_along_a_side_stays_in_order() {
+        let mut rng = Seed(3).stream("warp", &[]);
+        for _ in 0..200 {
+            let side = |rng: &mut crate::space::Stream| -> Vec<(f64, f64)> {
+                // Streets of both tiles in order, each moved half of the way to the other one.
+                let (mut own, mut other) = (rng.range(-95.0, -60.0), rng.range(-95.0, -60.0));
+                let mut out = Vec::new();
+                while own < 90.0 && other < 90.0 {
+                    out.push((own, (other - own).clamp(-30.0, 30.0) / 2.0));
+                    (own, other) = (own + rng.range(10.0, 70.0), other + rng.range(10.0, 70.0));
+                }
+                out
+            };
+            let warp = warp(&side(&mut rng), &[]);
+            let line: Vec<f64> = (-100..=100).map(|y| warp.of(DVec2::new(-100.0, f64::from(y))).y).collect();
+            assert!(line.array_windows().all(|[a, b]| a < b), "{warp:?}");
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use super::side::{Crossing, Side};
 use crate::network::StreetClass;
 use crate::patch::Patch;
-use crate::space::{Bounds, distance_to_segment};
+use crate::space::{Bounds, distance_to_segment, stable_hash};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -24,8 +24,8 @@ pub struct Window {
     pub map: u32,
 }
 
-/// The windows of some patches.
-pub fn windows(patches: &[Arc<Patch>]) -> Vec<Window> {
+/// The windows of some patches, and the names of their maps by number.
+pub fn windows(patches: &[Arc<Patch>]) -> (Vec<Window>, Vec<u64>) {
     let mut maps: Vec<(&str, f64)> = Vec::new();
     let mut out = Vec::with_capacity(patches.len());
     for patch in patches {
@@ -50,7 +50,8 @@ pub fn windows(patches: &[Arc<Patch>]) -> Vec<Window> {
             map: number as u32,
         });
     }
-    out
+    let names = maps.into_iter().map(|(name, _)| stable_hash(&name.bytes().map(u64::from).collect::<Vec<_>>()));
+    (out, names.collect())
 }
 
 /// The streets of a tile, cut at its sides. Positions are metres from its middle.
