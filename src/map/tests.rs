@@ -135,7 +135,7 @@ fn what_is_left_out_is_counted_by_reason() {
         (line("{\"building\":true}", "[[9,47],[9.1,47],[9,47.1],[9,47]]"), LeftOut::OtherKind, (0, 1, 1)),
         (line("{\"building\":true}", "[[9,47],[9.1,47],[9,47.1]]"), LeftOut::OpenOutline, (1, 1, 0)),
         (
-            line("{\"building\":true}", "[[9,47],[9.2,47.1],[9.1,47],[9,47.1],[9,47]]"),
+            line("{\"building\":true}", "[[9,47],[9.2,47.2],[9.2,47],[9,47.1],[9,47]]"),
             LeftOut::CrossesItself,
             (1, 1, 0),
         ),

@@ -76,13 +76,17 @@ fn windows_are_turned_as_the_streets_of_the_map() {
 /// The grid, with a house of 12 by 10 m in the corner of each block.
 fn built_grid() -> Map {
     let corner = |x: i32, y: i32| DVec2::new(90.0 * f64::from(x) + 15.0, 70.0 * f64::from(y) + 15.0);
+    let map = grid();
+    // The map has an origin of its own.
+    let turned = |p: DVec2| rotate(p, 20f64.to_radians());
+    let moved = map.bounds.centre() - turned(DVec2::new(540.0, 420.0));
     let house = |x: i32, y: i32| {
         let size = [(0.0, 0.0), (12.0, 0.0), (12.0, 10.0), (0.0, 10.0)];
-        let outline = size.map(|(w, h)| rotate(corner(x, y) + DVec2::new(w, h), 20f64.to_radians()));
+        let outline = size.map(|(w, h)| moved + turned(corner(x, y) + DVec2::new(w, h)));
         MapBuilding { id: 0, outline: outline.to_vec(), holes: Vec::new(), height: Some(9.0), storeys: Some(3) }
     };
     let buildings = (0..144).map(|i| house(i % 12, i / 12)).collect();
-    Map { buildings, ..grid() }
+    Map { buildings, ..map }
 }
 
 #[test]

@@ -178,6 +178,7 @@ mod tests {
     fn no_two_buildings_share_land_wherever_tiles_put_them() {
         let mut rng = Seed(5).stream("buildings", &[]);
         for _ in 0..60 {
+            let off = rng.range(-2.0, 2.0);
             let sites: Vec<Site> = (0..40)
                 .flat_map(|i| {
                     // In rows within each tile, so that those of one tile share nothing.
@@ -185,7 +186,7 @@ mod tests {
                     let y = f64::from(i / 2) * 5.0 - 50.0;
                     let x = if i % 2 == 0 { -rng.range(2.0, 30.0) } else { rng.range(-10.0, 5.0) };
                     let size = DVec2::new(rng.range(6.0, 30.0), rng.range(3.0, 4.9));
-                    let outline = rectangle(DVec2::new(x, y + rng.range(-2.0, 0.0) * f64::from(i % 2)), size);
+                    let outline = rectangle(DVec2::new(x, y + off * f64::from(i % 2)), size);
                     let own = Bounds::square(DVec2::new(tile, 0.0), 100.0).contains(centroid(&outline));
                     own.then(|| site(tile, outline))
                 })
