@@ -184,7 +184,7 @@ fn surfaces(c: &mut Criterion, world: &World, coord: ChunkCoord) {
         streets.iter().map(graded).collect()
     };
     let graded = grade();
-    let elements = shapes(&graded, square);
+    let elements = shapes(&graded, square, world.settings().driving);
     let chunk = world.chunk(coord, &never).expect("never cancelled");
     let tin = || {
         let works = Earthworks::new(graded.iter().map(|g| (&g.street, &g.profile)), square);
@@ -196,7 +196,9 @@ fn surfaces(c: &mut Criterion, world: &World, coord: ChunkCoord) {
     let (points, triangles) = (made.points.len(), made.triangles.len());
     println!("surface of a dense chunk: {} streets, {points} points, {triangles} triangles", streets.len());
     c.bench_function("surface/profiles of a dense chunk", |b| b.iter(|| grade().len()));
-    c.bench_function("surface/shapes of a dense chunk", |b| b.iter(|| shapes(&graded, square).len()));
+    c.bench_function("surface/shapes of a dense chunk", |b| {
+        b.iter(|| shapes(&graded, square, world.settings().driving).len())
+    });
     c.bench_function("surface/ground and streets of a dense chunk", |b| b.iter(|| tin().triangles.len()));
     c.bench_function("surface/floor: its points triangulated once", |b| {
         let points: Vec<Point2<f64>> = made.points.iter().map(|p| Point2::new(p.x, p.y)).collect();

@@ -2,7 +2,7 @@
 
 use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError, Reach, Weigh};
-use crate::network::{Junction, JunctionId, Street, StreetClass};
+use crate::network::{Junction, JunctionId, Side, Street, StreetClass};
 use crate::parcel::{Block, Footprint, Lot};
 use crate::space::{Bounds, ChunkCoord, Origin};
 use crate::stack::{Stack, owner_of, street_owner};
@@ -10,12 +10,18 @@ use crate::surface::{Deck, Earthworks, Graded, Pieces, Profile, SURFACE_REACH, T
 use crate::terrain::{DrawnGround, GROUND_STEP};
 use glam::DVec2;
 
-/// Gathers what the chunk `coord` of edge `size` metres owns.
+/// Gathers what the chunk `coord` of edge `size` metres owns. Traffic drives on the side `driving`.
 ///
 /// # Errors
 ///
 /// [`LayerError::Cancelled`] when `cancel` is set.
-pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) -> Result<Chunk, LayerError> {
+pub fn assemble(
+    stack: &Stack,
+    coord: ChunkCoord,
+    size: i64,
+    driving: Side,
+    cancel: &Cancel,
+) -> Result<Chunk, LayerError> {
     let (origin, bounds) = (coord.origin(size), coord.bounds(size));
     let reach = Reach::new("chunk", bounds, SURFACE_REACH);
     let overlap = stack.overlapping(bounds.grown(SURFACE_REACH), &reach, cancel)?;
@@ -56,7 +62,7 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
         }
     }
     cancel.check()?;
-    chunk.tin = tin(&chunk, &graded);
+    chunk.tin = tin(&chunk, &graded, driving);
     for (town, cell) in overlap.cells {
         cancel.check()?;
         let from = town.town.origin;
@@ -74,10 +80,10 @@ pub fn assemble(stack: &Stack, coord: ChunkCoord, size: i64, cancel: &Cancel) ->
 }
 
 /// Ground and streets of a chunk's square. `graded` are the streets within [`SURFACE_REACH`] of it, sorted by id.
-pub fn tin(chunk: &Chunk, graded: &[Graded]) -> Tin {
+pub fn tin(chunk: &Chunk, graded: &[Graded], driving: Side) -> Tin {
     let square = Bounds::new(DVec2::ZERO, DVec2::splat(chunk.size as f64));
     let works = Earthworks::new(graded.iter().map(|g| (&g.street, &g.profile)), square);
-    Tin::new(&shapes(graded, square), chunk.size, |column, row| {
+    Tin::new(&shapes(graded, square, driving), chunk.size, |column, row| {
         let p = DVec2::new(column as f64, row as f64) * GROUND_STEP;
         works.height(p, chunk.ground.vertex(column, row).height)
     })

@@ -1,4 +1,4 @@
-//! Bridges: decks with parapets on piers.
+//! Bridges: decks with parapets, on abutments and piers.
 
 use crate::mesh::buffers::{MeshBuffers, Rgb};
 use crate::mesh::footing::Footing;
@@ -6,7 +6,7 @@ use crate::mesh::streets::{KERBSTONE, PAVEMENT, carriageway_colour};
 use crate::network::Street;
 use crate::space::{left_normal, quantize};
 use crate::surface::{Deck, KERB_HEIGHT, Pieces, offset_line};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 const CONCRETE: Rgb = [0.330, 0.325, 0.310];
 
@@ -26,14 +26,17 @@ const PIER_EVERY: usize = 3;
 /// Piers lower than this are left out, in metres, their foot in the ground included.
 const LOWEST_PIER: f64 = 3.0;
 
-/// Depth of a pier's foot in the ground and half its thickness along the bridge, in metres.
-const PIER_FOOT: f64 = 1.0;
-const PIER_HALF: f64 = 0.6;
+/// Depth of the foot of piers and abutments in the ground and half their thickness along the bridge, in metres.
+const FOOT: f64 = 1.0;
+const BLOCK_HALF: f64 = 0.6;
+
+/// Distance from an abutment within which the ground falls, in metres.
+const BANK_TOP: f64 = 4.0;
 
 /// Half the width of a pier as a share of half the width of its deck.
 const PIER_SHARE: f64 = 0.6;
 
-/// Adds pieces of a bridge, `own` by their indices: its deck with parapets, on piers.
+/// Adds pieces of a bridge, `own` by their indices: its deck with parapets, on abutments and piers.
 pub(super) fn bridge(
     footing: &mut Footing<'_>,
     out: &mut MeshBuffers,
@@ -55,6 +58,7 @@ pub(super) fn bridge(
     let kerb = section.carriageway;
     let (kerb_left, kerb_right) = (offset_line(line, kerb), offset_line(line, -kerb));
     let carriageway = carriageway_colour(street.class);
+    let foot = if section.paved { KERB_HEIGHT } else { 0.0 };
     // Pieces of a deck meet at the points of its line.
     let point = |piece: usize| piece * (line.len() - 1) / pieces.count();
     for i in own.iter().flat_map(|piece| point(*piece)..point(piece + 1)) {
@@ -78,25 +82,69 @@ pub(super) fn bridge(
             };
             quad((outer, -DECK), (outer, PARAPET));
             quad((outer, PARAPET), (inner, PARAPET));
-            quad((inner, PARAPET), (inner, 0.0));
+            quad((inner, PARAPET), (inner, foot));
         }
         if i % PIER_EVERY == PIER_EVERY - 1 && crossings.iter().all(|p| p.distance(line[i]) > PIER_CLEARANCE) {
-            pier(footing, out, line, i, heights[i] - DECK, outer * PIER_SHARE);
+            let along = (line[i + 1] - line[i - 1]).normalize_or_zero();
+            let (top, base) = (heights[i] - DECK, footing.height(line[i]) - FOOT);
+            if top - base >= LOWEST_PIER {
+                block(out, line[i], along, outer * PIER_SHARE, [base, top]);
+            }
+        }
+    }
+    let last = line.len() - 1;
+    for (end, next, piece) in [(0, 1, 0), (last, last - 1, pieces.count() - 1)] {
+        if !own.contains(&piece) {
+            continue;
+        }
+        // Across the end of the deck, seen from beyond it.
+        let (kerb_left, kerb_right) =
+            if section.paved { (&kerb_left, &kerb_right) } else { (&inner_left, &inner_right) };
+        let sides = [&right, &left, &inner_left, kerb_left, kerb_right, &inner_right].map(|side| side[end]);
+        end_face(out, sides, heights[end], foot, end > 0);
+        let along = (line[next] - line[end]).normalize_or_zero();
+        let at = line[end] + along * BLOCK_HALF;
+        let ground = footing.height(at).min(footing.height(at + along * BANK_TOP));
+        let (top, base) = (heights[end].min(heights[next]) - DECK, ground - FOOT);
+        if base < top {
+            block(out, at, along, outer - PARAPET_WIDTH, [base, top]);
         }
     }
 }
 
-/// Adds a pier under point `i` of a bridge's line, from the ground up to the height `top`.
-fn pier(footing: &mut Footing<'_>, out: &mut MeshBuffers, line: &[DVec2], i: usize, top: f64, half: f64) {
-    let base = footing.height(line[i]) - PIER_FOOT;
-    if top - base < LOWEST_PIER {
-        return;
+/// Adds the face across an end of a deck, from its edges there: the outer edges on the right and on the left, then the edges of
+/// parapet and kerb on the left and on the right. `ahead` says that it is the end of the line, not its start.
+fn end_face(out: &mut MeshBuffers, sides: [DVec2; 6], height: f64, foot: f64, ahead: bool) {
+    let [right, left, inner_left, kerb_left, kerb_right, inner_right] = sides;
+    let half = |side: DVec2, inner: DVec2, kerb: DVec2| {
+        let (bottom, gutter) = (side.extend(-DECK), kerb.extend(0.0));
+        let (step, wall) = (kerb.extend(foot), inner.extend(foot));
+        let parapet = vec![bottom, wall, inner.extend(PARAPET), side.extend(PARAPET)];
+        [vec![bottom, gutter, step], vec![bottom, step, wall], parapet]
+    };
+    let middle = vec![left.extend(-DECK), right.extend(-DECK), kerb_right.extend(0.0), kerb_left.extend(0.0)];
+    let on_left = half(left, inner_left, kerb_left);
+    let on_right = half(right, inner_right, kerb_right).map(|ring| ring.into_iter().rev().collect());
+    for ring in std::iter::once(middle).chain(on_right).chain(on_left) {
+        let mut ring: Vec<_> = ring.into_iter().map(|p| p + DVec3::Z * height).collect();
+        if ahead {
+            ring.reverse();
+        }
+        ring.dedup();
+        if ring.len() > 2 {
+            out.face(&ring, CONCRETE);
+        }
     }
-    let along = (line[i + 1] - line[i - 1]).normalize_or_zero();
-    let (across, along) = (left_normal(along) * half, along * PIER_HALF);
-    let ring = [-across - along, -across + along, across + along, across - along];
+}
+
+/// Adds a block of concrete across a bridge, `half` metres to either side of a point of its line, from one height to another.
+fn block(out: &mut MeshBuffers, at: DVec2, along: DVec2, half: f64, [base, top]: [f64; 2]) {
+    let (across, along) = (left_normal(along) * half, along * BLOCK_HALF);
+    let ring = [across - along, -across - along, -across + along, across + along].map(|p| at + quantize(p));
     for k in 0..4 {
-        let (a, b) = (line[i] + ring[k], line[i] + ring[(k + 1) % 4]);
+        let (a, b) = (ring[k], ring[(k + 1) % 4]);
         out.face(&[a.extend(base), b.extend(base), b.extend(top), a.extend(top)], CONCRETE);
     }
+    out.face(&ring.map(|p| p.extend(top)), CONCRETE);
+    out.face(&[3, 2, 1, 0].map(|k: usize| ring[k].extend(base)), CONCRETE);
 }

@@ -3,7 +3,7 @@
 use crate::chunk::{Chunk, Ground, tin};
 use crate::layer::Cancel;
 use crate::mesh::{ChunkMesh, ChunkPart, Detail, MeshBuffers, build};
-use crate::network::{Junction, JunctionId, Street, StreetClass, StreetId};
+use crate::network::{Junction, JunctionId, Side, Street, StreetClass, StreetId};
 use crate::space::{ChunkCoord, Seed, distance_to_line, math, point_at, signed_area};
 use crate::stack::PlacedStreet;
 use crate::style::ParcelRules;
@@ -48,7 +48,7 @@ fn town(seed: u64, pitch: f64, rules: &ParcelRules) -> Chunk {
         chunk.streets.push(PlacedStreet { street, made_by: None });
     }
     graded.sort_by_key(|g| g.street.id);
-    chunk.tin = tin(&chunk, &graded);
+    chunk.tin = tin(&chunk, &graded, Side::Right);
     chunk.junctions = junctions.into_iter().map(|(id, at)| Junction { id, at }).collect();
     chunk.blocks = parcels.blocks.iter().map(|b| b.moved(offset)).collect();
     chunk.lots = parcels.lots.iter().map(|l| l.moved(offset)).collect();
@@ -245,7 +245,7 @@ fn long_roads_and_bridges_are_drawn_once_by_the_chunks_in_which_they_lie() {
             };
             graded.push(Graded { street, profile });
         }
-        chunk.tin = tin(&chunk, &graded);
+        chunk.tin = tin(&chunk, &graded, Side::Right);
         chunk
     };
     let reach = (LONGEST_PIECE / 2.0 + StreetClass::Major.half_width()) as f32 + 10.0;
@@ -267,7 +267,9 @@ fn long_roads_and_bridges_are_drawn_once_by_the_chunks_in_which_they_lie() {
         }
         let drawn = |s: &Street| s.length() * 2.0 * s.class.half_width();
         let expected: f64 = streets.iter().map(drawn).sum();
-        assert!((area / expected - 1.0).abs() < 0.005, "{detail:?}: {area} of {expected} square metres");
+        // The tops of abutments and piers count, too, under the deck.
+        let share = area / expected;
+        assert!(share > 0.995 && share < 1.01, "{detail:?}: {area} of {expected} square metres");
     }
     let cancel = Cancel::new();
     cancel.cancel();

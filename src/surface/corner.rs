@@ -1,6 +1,7 @@
 //! Corners of a junction: where the land between two neighbouring arms ends.
 
 use crate::space::{cross, segment_crossing};
+use crate::surface::head::Head;
 use crate::surface::offset::{end_normals, mitre, sector_corners};
 use glam::DVec2;
 
@@ -43,6 +44,15 @@ pub(super) struct Meeting {
     pub first: [usize; 2],
     /// For each arm, the distance from the junction at which its edge begins to run undisturbed, in metres.
     pub reach: [f64; 2],
+}
+
+impl Meeting {
+    /// Around the head of a dead end, relative to the junction.
+    pub fn around(head: &Head, edges: &Edges) -> Self {
+        let reach = head.reach(edges.half);
+        let first = edges.along.partition_point(|along| *along <= reach);
+        Self { path: head.around(edges.half).collect(), first: [first; 2], reach: [reach; 2] }
+    }
 }
 
 /// Where the left edge of an arm in unit direction `da` and the right edge of the next arm counter-clockwise, in direction

@@ -9,6 +9,7 @@
 
 use crate::network::{JunctionId, Street, StreetClass};
 use crate::space::{cross, left_normal, math::angle_of};
+use crate::surface::head::{Head, heads};
 use crate::surface::offset::{end_normals, mitre, sector_corners};
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ use std::collections::BTreeMap;
 const LAP: f64 = 0.05;
 
 /// Counter-clockwise polygons in local metres that together hold every point within `half_width + margin` metres of each of
-/// `streets`, except tunnels, and the corners outside their junctions. The polygons overlap.
+/// `streets`, except tunnels, the corners outside their junctions and the heads of dead ends. The polygons overlap.
 pub fn cover(streets: &[&Street], margin: f64) -> Vec<Vec<DVec2>> {
     let half = |class: StreetClass| class.half_width() + margin;
     let mut out = Vec::new();
@@ -25,6 +26,9 @@ pub fn cover(streets: &[&Street], margin: f64) -> Vec<Vec<DVec2>> {
         along(&street.line, half(street.class), &mut out);
     }
     around_junctions(streets, half, |_| true, &mut out);
+    let whole = streets.iter().copied().filter(|s| !s.tunnel);
+    let head = |head: &Head| head.around(half(StreetClass::Local)).map(|p| head.at + p).collect();
+    out.extend(heads(whole).values().map(head));
     out
 }
 

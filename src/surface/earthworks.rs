@@ -2,6 +2,7 @@
 
 use crate::network::{Street, StreetId};
 use crate::space::{Bounds, Measured};
+use crate::surface::head::{Head, heads};
 use crate::surface::junction::{deck_reach, has_surface};
 use crate::surface::profile::Profile;
 use crate::surface::section::{CrossSection, KERB_HEIGHT};
@@ -61,10 +62,27 @@ impl Earthworks {
         let size = ((bounds.max - min) / BUCKET).floor().as_ivec2() + 1;
         let buckets = vec![Vec::new(); (size.x.max(1) * size.y.max(1)) as usize];
         let mut out = Self { min, columns: size.x.max(1), rows: size.y.max(1), buckets, stretches: Vec::new() };
+        let streets: Vec<(&Street, &Profile)> = streets.into_iter().collect();
+        let heads = heads(streets.iter().map(|(street, _)| *street));
         for (street, profile) in streets {
             out.add(street, profile, bounds);
+            for (end, along) in [(street.from, 0.0), (street.to, profile.length())] {
+                if let Some(head) = heads.get(&end) {
+                    out.add_head(head, street, profile.height(along), bounds);
+                }
+            }
         }
         out
+    }
+
+    fn add_head(&mut self, head: &Head, street: &Street, height: f64, bounds: Bounds) {
+        let half = head.radius(CrossSection::of(street.class).outer);
+        let near = Bounds::of([head.at]).grown(BANK_REACH + half);
+        if near.overlaps(bounds) {
+            let heights = [height + KERB_HEIGHT; 2];
+            let (by, per) = (DVec2::ZERO, 0.0);
+            self.keep(Stretch { street: street.id, start: head.at, by, per, heights, half, cut_only: false }, near);
+        }
     }
 
     fn add(&mut self, street: &Street, profile: &Profile, bounds: Bounds) {

@@ -12,6 +12,8 @@ pub struct Element {
     pub points: Vec<DVec3>,
     /// Triangles, counter-clockwise, with what they are made of.
     pub triangles: Vec<([u32; 3], Finish)>,
+    /// Vertices at which pavements come down to the carriageway: dropped kerbs.
+    pub dropped: Vec<u32>,
     /// Number of triangles before each part: parts are judged as a whole where shapes overlap.
     pub parts: Vec<usize>,
 }

@@ -6,6 +6,7 @@ use crate::surface::corner::{Corner, Edges, Meeting, meet, widest_radius};
 use crate::surface::cover::cover_at;
 use crate::surface::element::Element;
 use crate::surface::finish::Finish;
+use crate::surface::head::Head;
 use crate::surface::offset::offset_line;
 use crate::surface::profile::Profile;
 use crate::surface::section::CrossSection;
@@ -74,9 +75,9 @@ pub(super) struct StreetEnd {
 }
 
 impl<'a> JunctionShape<'a> {
-    /// The surface of a junction. `ends` are the streets there, each with whether it begins at the junction. Tunnels and streets
-    /// shorter than half a metre have no surface. `None` if no street has a surface.
-    pub fn new(junction: &Junction, ends: &[(&'a Street, bool)]) -> Option<Self> {
+    /// The surface of a junction. `ends` are the streets there, each with whether it begins at the junction; `head` is the head of
+    /// a dead end. Tunnels and streets shorter than half a metre have no surface. `None` if no street has a surface.
+    pub(super) fn new(junction: &Junction, ends: &[(&'a Street, bool)], head: Option<&Head>) -> Option<Self> {
         let mut spokes: Vec<Spoke<'a>> =
             ends.iter().filter_map(|(s, begins)| Spoke::new(s, *begins, junction.at)).collect();
         spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.street.id.cmp(&b.street.id)));
@@ -95,8 +96,13 @@ impl<'a> JunctionShape<'a> {
                 if paved { r.min(q).min(widest_radius(v.min(w), directions[0], directions[1])) } else { r.min(q) };
             let outer_radius = if paved { 0.0 } else { (radius - v.max(w)).max(0.0) };
             let at = DVec2::ZERO;
-            let kerb = meet(at, [&a.carriageway, &b.carriageway], directions, n == 1, radius);
-            let side = meet(at, [&a.outer, &b.outer], directions, n == 1, outer_radius);
+            let [kerb, side] = match head {
+                Some(head) => [&a.carriageway, &a.outer].map(|edges| Meeting::around(head, edges)),
+                None => [
+                    meet(at, [&a.carriageway, &b.carriageway], directions, n == 1, radius),
+                    meet(at, [&a.outer, &b.outer], directions, n == 1, outer_radius),
+                ],
+            };
             let reach = [0, 1].map(|k| kerb.reach[k].max(side.reach[k]));
             spokes[i].keep_clear(reach[0]);
             spokes[(i + 1) % n].keep_clear(reach[1]);
@@ -174,6 +180,20 @@ impl<'a> JunctionShape<'a> {
             out.polygon(&ring, finish);
         }
         if out.is_sound() { out } else { self.overlapping(&heights) }
+    }
+
+    /// The most important class among the streets.
+    pub(super) fn greatest(&self) -> StreetClass {
+        self.arms.iter().map(|arm| arm.street.class).min().unwrap_or(StreetClass::Local)
+    }
+
+    /// Outline of pavements or verges, counter-clockwise.
+    pub(super) fn outer(&self) -> Vec<DVec2> {
+        let arm = |arm: &Arm<'_>| {
+            let side = &arm.corner.side;
+            std::iter::once(arm.cut.points[0]).chain(side[..side.len() - 1].iter().copied()).collect::<Vec<_>>()
+        };
+        self.arms.iter().flat_map(arm).collect()
     }
 
     fn finish(&self) -> Finish {

@@ -6,6 +6,7 @@
 //! | lanes and turns | [`lanes_of`], [`turns_at`] | a street; the streets that meet at a junction |
 //! | heights along a street | [`Profile`], [`Deck`] | the street and the ground under it |
 //! | shape of a junction | [`JunctionShape`] | the streets that meet there |
+//! | outlines of junctions | [`junction_outlines`] | the streets that meet there |
 //! | shapes of streets and junctions, with paint | [`shapes`] | the same, and the junctions at both ends |
 //! | height of the ground | [`Earthworks`] | streets within [`BANK_REACH`] |
 //! | ground and streets of a square | [`Tin`] | shapes and heights there |
@@ -19,7 +20,8 @@
 //!   meet, with the kerb rounded. The end of a wide street that goes on as narrower ones counts as half an octagon around the
 //!   junction.
 //! - Where two neighbouring arms are more than half a turn apart, the surface goes around the outside of the junction in mitred
-//!   corners. A dead end is the case of a single arm and ends square.
+//!   corners. A dead end is the case of a single arm and ends square; a local street ends in a circle to turn in where nothing
+//!   else is near.
 //! - Where shapes of different streets or junctions overlap, they become one.
 //!
 //! Shapes never lie outside [`cover`], except for the rounded corners of country roads. They fall short of the cover only at
@@ -32,6 +34,7 @@ mod deck;
 mod earthworks;
 mod element;
 mod finish;
+mod head;
 mod junction;
 mod lane;
 mod offset;
@@ -57,5 +60,5 @@ pub use offset::offset_line;
 pub use piece::{LONGEST_PIECE, Pieces};
 pub use profile::{FREEBOARD, Profile};
 pub use section::{CrossSection, KERB_HEIGHT};
-pub use shapes::{Graded, SURFACE_REACH, shapes};
+pub use shapes::{Graded, JunctionOutline, SURFACE_REACH, junction_outlines, shapes};
 pub use tin::{Step, SurfacePoint, Tin};

@@ -38,12 +38,12 @@ const STOP_WIDTH: f64 = 0.4;
 /// Least length of a street between its junctions that has crossings and stop lines, in metres.
 const LEAST_ROOM: f64 = 24.0;
 
-/// The marks of a street, `length` metres long.
-pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2]) -> Vec<Mark> {
+/// The marks of a street, `length` metres long, where traffic drives on the side `driving`.
+pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2], driving: Side) -> Vec<Mark> {
     let (class, section) = (street.class, CrossSection::of(street.class));
     let cuts = [0, 1].map(|end| ends[end].as_ref().map_or(0.0, |e| e.cut.along));
     let roomy = length - cuts[0] - cuts[1] >= LEAST_ROOM;
-    let both_ways = street.traffic(Side::Right) == Traffic::Both;
+    let both_ways = street.traffic(driving) == Traffic::Both;
     let mut out = Vec::new();
     // Where lines begin and end.
     let mut free = [cuts[0] + 1.0, length - cuts[1] - 1.0];
@@ -72,8 +72,9 @@ pub(super) fn marks(street: &Street, length: f64, ends: &[Option<StreetEnd>; 2])
         let stops = both_ways && (crossed || at.greatest < class);
         let stop = STOP[usize::from(!crossed)];
         if stops {
-            let right = section.carriageway - 0.1;
-            let across = if end == 0 { [0.1, right] } else { [-right, -0.1] };
+            let edge = section.carriageway - 0.1;
+            // Who arrives keeps to their own side.
+            let across = if (end == 0) == (driving == Side::Right) { [0.1, edge] } else { [-edge, -0.1] };
             out.push(Mark { along: place(stop, stop + STOP_WIDTH), across, finish: Finish::Marking });
         }
         if crossed || stops {

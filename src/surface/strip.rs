@@ -1,6 +1,6 @@
 //! The surface of a street between its junctions.
 
-use crate::network::Street;
+use crate::network::{Side, Street};
 use crate::space::{Bounds, left_normal, quantize};
 use crate::surface::element::Element;
 use crate::surface::finish::Finish;
@@ -39,6 +39,7 @@ pub(super) fn strip(
     profile: &Profile,
     ends: &[Option<StreetEnd>; 2],
     window: Bounds,
+    driving: Side,
 ) {
     let section = CrossSection::of(street.class);
     let origin = street.line[0];
@@ -50,7 +51,7 @@ pub(super) fn strip(
     if line.len() < 2 || to - from < SAME {
         return;
     }
-    let marks = marks(street, length, ends);
+    let marks = marks(street, length, ends, driving);
     let places = places(&line, profile, &marks, [from, to], section.outer);
     let near = window.grown(section.outer * 2.0).moved(-origin);
     let seen = |a: &Section, b: &Section| Bounds::of([a.at, b.at]).overlaps(near);
@@ -131,7 +132,7 @@ impl Chain {
         offsets.sort_by(f64::total_cmp);
         offsets.dedup();
         let height = profile.height(place.along);
-        let vertices = match cut {
+        let vertices: Vec<u32> = match cut {
             Some((cut, begins)) => {
                 let mut points = cut.points;
                 if !begins {
@@ -144,6 +145,11 @@ impl Chain {
                 offsets.iter().map(|by| out.point(at(by), height)).collect()
             }
         };
+        // People step down to a crossing without a kerb.
+        if cut.is_none() && painted.iter().any(|list| list.iter().any(|mark| mark.2 == Finish::Crossing)) {
+            let kerbs = offsets.iter().zip(&vertices).filter(|(by, _)| by.abs() == section.carriageway);
+            out.dropped.extend(kerbs.map(|(_, vertex)| *vertex));
+        }
         Self { offsets, vertices }
     }
 

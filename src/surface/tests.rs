@@ -1,6 +1,6 @@
 //! Random junctions: the drawn surface is the covered ground, once.
 
-use crate::network::{JunctionId, Street, StreetClass, StreetId};
+use crate::network::{JunctionId, Side, Street, StreetClass, StreetId};
 use crate::space::math::direction;
 use crate::space::{Bounds, Origin, Seed, Stream, quantize, signed_area};
 use crate::surface::{Graded, Profile, cover, shapes};
@@ -50,7 +50,7 @@ fn level(streets: &[Street]) -> Vec<Graded> {
 
 /// The triangles that are drawn for streets and their junctions.
 fn drawn(streets: &[Street]) -> Rings {
-    let elements = shapes(&level(streets), Bounds::square(DVec2::ZERO, 400.0));
+    let elements = shapes(&level(streets), Bounds::square(DVec2::ZERO, 400.0), Side::Right);
     let triangles = elements.iter().flat_map(|e| e.triangles.iter().map(move |t| t.0.map(|v| e.plan(v))));
     triangles.map(|t| ring(&t)).collect()
 }
@@ -122,7 +122,8 @@ fn every_frame_gives_the_same_shapes() {
         let shift = DVec2::new(512.0, -1024.0);
         let moved: Vec<Street> = streets.iter().map(|s| s.moved(shift)).collect();
         let window = Bounds::square(DVec2::ZERO, 400.0);
-        let (here, there) = (shapes(&level(&streets), window), shapes(&level(&moved), window.moved(shift)));
+        let (here, there) =
+            (shapes(&level(&streets), window, Side::Right), shapes(&level(&moved), window.moved(shift), Side::Right));
         assert_eq!(here.len(), there.len());
         for (a, b) in here.iter().zip(&there) {
             assert_eq!(a.triangles, b.triangles, "case {case}");

@@ -175,7 +175,8 @@ impl World {
     /// What a chunk owns, and the ground under it.
     pub fn chunk(&self, coord: ChunkCoord, cancel: &Cancel) -> Result<Arc<Chunk>, LayerError> {
         let inner = &*self.inner;
-        inner.chunks.get(&coord, || chunk::assemble(&inner.stack, coord, inner.source.settings.chunk_size, cancel))
+        let Settings { chunk_size, driving, .. } = inner.source.settings;
+        inner.chunks.get(&coord, || chunk::assemble(&inner.stack, coord, chunk_size, driving, cancel))
     }
 
     /// The vertex buffers of a chunk at a level of detail.

@@ -4,6 +4,7 @@ mod inputs;
 mod lanes;
 mod random;
 mod rivers;
+mod solids;
 mod surface;
 mod towns;
 

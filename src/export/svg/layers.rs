@@ -1,14 +1,18 @@
 //! The layers of a map: contours and water, parcels and buildings, streets.
 
-use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, trace};
+use super::sheet::{BUILDINGS, Colouring, Layer, ORIGINS, Pen, Sheet, nice, paths, round, trace};
 use crate::export::relief::Relief;
 use crate::export::{Plan, narrowest_first};
 use crate::network::StreetClass;
 use crate::parcel::BlockUse;
 use crate::stack::PlacedStreet;
 use crate::streets::StreetOrigin;
+use crate::surface::{JunctionOutline, junction_outlines};
 use glam::DVec2;
 use svg::node::element::{Group, Path};
+
+/// Pixels per metre from which on a map shows the corners of junctions.
+const CORNERS_FROM: f64 = 0.4;
 
 impl Sheet {
     pub(super) fn ground(&self, relief: &Relief) -> Group {
@@ -82,9 +86,17 @@ impl Sheet {
         let mut group = Group::new().set("id", "streets").set("fill", "none").set("stroke-linejoin", "round");
         let streets = || plan.area.streets.iter().map(|s| &s.item);
         let levels: std::collections::BTreeSet<i8> = streets().map(|s| s.street.level).collect();
+        let bounds = plan.area.bounds.moved(-plan.area.origin.plan());
+        let junctions = match self.scale {
+            scale if scale < CORNERS_FROM || self.region => Vec::new(),
+            _ => junction_outlines(streets().map(|s| &s.street).filter(|s| s.level == 0), bounds),
+        };
         for level in levels {
             let here = || streets().filter(move |s| s.street.level == level);
             for layer in [Layer::Pavement, Layer::Casing, Layer::Carriageway] {
+                if level == 0 {
+                    group = self.corners(group, &junctions, layer);
+                }
                 for class in narrowest_first() {
                     for tunnel in [true, false] {
                         let alike = here().filter(|s| s.street.class == class && s.street.tunnel == tunnel);
@@ -103,6 +115,26 @@ impl Sheet {
                         }
                     }
                 }
+            }
+        }
+        group
+    }
+}
+
+impl Sheet {
+    /// Junctions with their rounded corners, as they are built.
+    fn corners(&self, mut group: Group, junctions: &[JunctionOutline], layer: Layer) -> Group {
+        for class in narrowest_first() {
+            let Some(pen) = self.pen(class, layer, false) else { continue };
+            let rings = junctions.iter().filter(|j| j.class == class).map(|junction| {
+                self.placed(if layer == Layer::Pavement { &junction.outer } else { &junction.carriageway })
+            });
+            let carriageway = class.carriageway() * self.scale;
+            for data in paths(rings, true) {
+                let path = Path::new().set("d", data).set("fill", pen.colour);
+                let edged = layer == Layer::Casing;
+                let edge = round(pen.width - carriageway);
+                group = group.add(if edged { path.set("stroke", pen.colour).set("stroke-width", edge) } else { path });
             }
         }
         group

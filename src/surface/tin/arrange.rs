@@ -7,11 +7,15 @@ use glam::{DVec2, I64Vec2, IVec2};
 /// Edge of a cell in which edges are compared, in metres.
 const CELL: f64 = 2.0;
 
+/// Crossings lie on multiples of this, in steps of the quantum, so that no two are closer to each other; an edge passes through all
+/// points nearer to it than three quarters of this. Otherwise slivers without an area worth the name arise.
+const SNAP: i32 = 8;
+
 /// Rounds of splitting: rounding a crossing to the quantum grid may make others.
 const ROUNDS: usize = 8;
 
 /// The edges split at every point of another edge on them and wherever two of them cross, each once. The first `fixed` edges are
-/// not split. Adds the crossings to the sheet, on the quantum grid; their heights are not known yet. Returns the edges after the
+/// not split. Adds the crossings to the sheet, at the heights of one of their edges. Returns the edges after the
 /// fixed ones, and the crossings.
 pub(super) fn arrange(sheet: &mut Sheet, fixed: &[[u32; 2]], edges: Vec<[u32; 2]>) -> (Vec<[u32; 2]>, Vec<u32>) {
     let known = sheet.points.len() as u32;
@@ -112,8 +116,9 @@ fn splits(sheet: &mut Sheet, fixed: &[[u32; 2]], open: &[[u32; 2]]) -> Vec<(u32,
                 }
                 let sides = |a, b, c, d| turn(a, b, c).signum() * turn(a, b, d).signum();
                 if sides(a, b, c, d) < 0 && sides(c, d, a, b) < 0 {
-                    let at = crossing(a, b, c, d);
-                    let v = sheet.id(Point { at, height: f64::NAN });
+                    let (at, t) = crossing([a, b], [c, d], sheet.edge);
+                    let [low, high] = f.map(|v| sheet.points[v as usize].height);
+                    let v = sheet.id(Point { at, height: low + (high - low) * t });
                     out.extend((!e.contains(&v)).then_some((*i, v)));
                     out.extend((splits_f && !f.contains(&v)).then_some((*j, v)));
                 }
@@ -125,19 +130,22 @@ fn splits(sheet: &mut Sheet, fixed: &[[u32; 2]], open: &[[u32; 2]]) -> Vec<(u32,
     out
 }
 
-/// Whether a point lies between the ends of an edge, within half a step of it.
+/// Whether a point lies between the ends of an edge, and so near to it that the edge passes through it.
 fn is_on(p: IVec2, a: IVec2, b: IVec2) -> bool {
     let (ab, ap) = ((b - a).as_i64vec2(), (p - a).as_i64vec2());
     let along = ab.dot(ap);
     let length = ab.length_squared();
     let off = I64Vec2::perp_dot(ab, ap).abs();
-    along > 0 && along < length && 4 * i128::from(off) * i128::from(off) <= i128::from(length)
+    let near = i128::from(3 * SNAP / 4);
+    along > 0 && along < length && i128::from(off) * i128::from(off) <= near * near * i128::from(length)
 }
 
-/// The point of the grid nearest to where two edges cross.
-fn crossing(a: IVec2, b: IVec2, c: IVec2, d: IVec2) -> IVec2 {
+/// The point of the grid of crossings nearest to where two edges cross, inside the square of `edge` steps, and where on the second
+/// edge, 0 to 1, they cross.
+fn crossing([a, b]: [IVec2; 2], [c, d]: [IVec2; 2], edge: i32) -> (IVec2, f64) {
     let (oc, od) = (turn(a, b, c) as f64, turn(a, b, d) as f64);
     let t = oc / (oc - od);
-    let by: DVec2 = (d - c).as_dvec2() * t;
-    c + by.round().as_ivec2()
+    let at: DVec2 = c.as_dvec2() + (d - c).as_dvec2() * t;
+    let at = (at / f64::from(SNAP)).round().as_ivec2() * SNAP;
+    (at.clamp(IVec2::splat(SNAP), IVec2::splat(edge - SNAP)), t)
 }

@@ -157,10 +157,10 @@ pub(super) fn around(
     let fixed: Vec<[u32; 2]> = outline.iter().map(|e| e.ends).collect();
     let (shared, crossings) = arrange(sheet, &fixed, shared_edges(sheet));
     if let Some(overlaps) = Overlaps::new(sheet) {
-        let heights: Vec<f64> =
-            crossings.iter().map(|v| overlaps.at(sheet.plan(*v)).map_or(0.0, |(_, height)| height)).collect();
+        let heights: Vec<Option<f64>> = crossings.iter().map(|v| overlaps.crossing_height(sheet.plan(*v))).collect();
         for (v, height) in crossings.into_iter().zip(heights) {
-            sheet.points[v as usize].height = height;
+            let point = &mut sheet.points[v as usize];
+            point.height = height.unwrap_or(point.height);
         }
     }
     let mut out = Triangles::new();

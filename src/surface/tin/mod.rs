@@ -36,6 +36,8 @@ pub struct Tin {
     pub points: Vec<DVec3>,
     /// Whether the ground at a point lies at the height of a pavement.
     pub raised: Vec<bool>,
+    /// Whether pavements come down to the height of the carriageway at a point: dropped kerbs.
+    pub dropped: Vec<bool>,
     /// Triangles, counter-clockwise, with what they are made of.
     pub triangles: Vec<([u32; 3], Finish)>,
     /// Whether each square of the ground's grid is triangulated around streets, by rows. The others are two triangles.
@@ -95,20 +97,22 @@ impl Tin {
         for (corners, _) in all.iter().filter(|(_, finish)| finish.is_raised()) {
             corners.iter().for_each(|v| raised[*v as usize] = true);
         }
+        let mut dropped = vec![false; points.len()];
+        sheet.dropped.iter().for_each(|v| dropped[*v as usize] = true);
         let overlapping = sheet.shared.iter().filter(|shared| **shared).count();
-        Self { size, points, raised, triangles: all, near, overlapping, index: OnceLock::new() }
+        Self { size, points, raised, dropped, triangles: all, near, overlapping, index: OnceLock::new() }
     }
 
     /// Size in memory, in bytes, with the index that questions need.
     pub(crate) fn bytes(&self) -> usize {
         let triangle = size_of::<([u32; 3], Finish)>() + 3 * size_of::<u32>();
-        self.points.len() * (size_of::<DVec3>() + 1) + self.triangles.len() * triangle
+        self.points.len() * (size_of::<DVec3>() + 2) + self.triangles.len() * triangle
     }
 
     /// Height of a point as part of a triangle that is made of `finish`, in metres.
     pub fn height_of(&self, point: u32, finish: Finish) -> f64 {
         let raised = finish.is_raised() || (finish == Finish::Ground && self.raised[point as usize]);
-        self.points[point as usize].z + if raised { KERB_HEIGHT } else { 0.0 }
+        self.points[point as usize].z + if raised && !self.dropped[point as usize] { KERB_HEIGHT } else { 0.0 }
     }
 
     /// The surface at a local point: ground, street or verge. `None` outside the square.

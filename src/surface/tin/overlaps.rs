@@ -11,6 +11,9 @@ const CELL: f64 = 8.0;
 /// Distance that a point may lie outside of a triangle that still counts as holding it, in metres.
 const NEAR: f64 = 0.002;
 
+/// The same for where edges cross: crossings are rounded, and edges bent to pass through points beside them.
+const NEAR_CROSSING: f64 = 0.05;
+
 /// The triangles of shared parts, by place.
 pub(super) struct Overlaps<'a> {
     sheet: &'a Sheet,
@@ -28,8 +31,8 @@ impl<'a> Overlaps<'a> {
         let mut out = Self { sheet, columns, cells: vec![Vec::new(); columns * columns] };
         for (i, triangle) in sheet.triangles.iter().enumerate().filter(|(_, t)| sheet.shared[t.part as usize]) {
             let at = triangle.corners.map(|v| sheet.plan(v));
-            let low = ((at[0].min(at[1]).min(at[2]) - NEAR).max(DVec2::ZERO) / CELL).as_usizevec2();
-            let high = ((at[0].max(at[1]).max(at[2]) + NEAR) / CELL).as_usizevec2();
+            let low = ((at[0].min(at[1]).min(at[2]) - NEAR_CROSSING).max(DVec2::ZERO) / CELL).as_usizevec2();
+            let high = ((at[0].max(at[1]).max(at[2]) + NEAR_CROSSING) / CELL).as_usizevec2();
             for y in low.y..=high.y.min(columns - 1) {
                 for x in low.x..=high.x.min(columns - 1) {
                     out.cells[y * columns + x].push(i as u32);
@@ -41,6 +44,15 @@ impl<'a> Overlaps<'a> {
 
     /// What shows at a point (metres), and its height: the greatest finish of all triangles that hold the point.
     pub fn at(&self, p: DVec2) -> Option<(Finish, f64)> {
+        self.within(p, NEAR)
+    }
+
+    /// The height at a point where edges cross, in metres.
+    pub fn crossing_height(&self, p: DVec2) -> Option<f64> {
+        self.within(p, NEAR_CROSSING).map(|(_, height)| height)
+    }
+
+    fn within(&self, p: DVec2, near: f64) -> Option<(Finish, f64)> {
         let cell = (p.max(DVec2::ZERO) / CELL).as_usizevec2();
         let (x, y) = (cell.x.min(self.columns - 1), cell.y.min(self.columns - 1));
         let mut best: Option<(Finish, f64)> = None;
@@ -52,7 +64,7 @@ impl<'a> Overlaps<'a> {
             let at = triangle.corners.map(|v| self.sheet.plan(v));
             let inside = (0..3).all(|i| {
                 let by = at[(i + 1) % 3] - at[i];
-                by.perp_dot(p - at[i]) >= -NEAR * by.length()
+                by.perp_dot(p - at[i]) >= -near * by.length()
             });
             if inside {
                 let plane = triangle.corners.map(|v| self.sheet.points[v as usize]);

@@ -30,6 +30,8 @@ pub(super) struct Triangle {
 pub(super) struct Sheet {
     pub points: Vec<Point>,
     pub triangles: Vec<Triangle>,
+    /// Vertices of dropped kerbs.
+    pub dropped: Vec<u32>,
     /// For each part, whether it is cut up against others because its shape is not its own alone.
     pub shared: Vec<bool>,
     index: PointIndex,
@@ -45,8 +47,14 @@ impl Sheet {
     pub fn new(elements: &[Element], size: i64) -> Self {
         let edge = (size as f64 / QUANTUM) as i32;
         let count = elements.iter().map(|e| e.points.len()).sum();
-        let mut out =
-            Self { points: Vec::new(), triangles: Vec::new(), shared: Vec::new(), index: PointIndex::new(count), edge };
+        let mut out = Self {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            dropped: Vec::new(),
+            shared: Vec::new(),
+            index: PointIndex::new(count),
+            edge,
+        };
         for element in elements {
             out.add(element);
         }
@@ -93,6 +101,8 @@ impl Sheet {
                 self.cut(at, *finish, part);
             }
         }
+        let dropped = element.dropped.iter().map(|v| points[*v as usize].at);
+        self.dropped.extend(dropped.filter_map(|at| self.index.find(&self.points, at)));
     }
 
     /// Adds the part of a triangle in the square.

@@ -82,7 +82,7 @@ impl<'a> Triangulation<'a> {
     }
 
     /// Makes the straight line between two vertices an edge that is never flipped, or several edges if other vertices lie on it.
-    /// An error leaves the rest of the triangulation whole.
+    /// After an error, the line may be fixed as far as a vertex that lies on it.
     pub fn fix(&mut self, mut a: u32, b: u32) -> Result<(), Crossing> {
         while a != b {
             a = match self.toward(a, b).ok_or(Crossing)? {
@@ -342,4 +342,118 @@ fn place(at: IVec2) -> u32 {
         (x | (x << 1)) & 0x5555_5555
     };
     spread(at.x) | (spread(at.y) << 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Seed;
+    use std::collections::BTreeSet;
+
+    /// The corners of a square, and random points in it and on its border, many of them on common lines and circles.
+    fn points(seed: u64, edge: i32) -> Vec<IVec2> {
+        let mut rng = Seed(seed).stream("triangulation", &[]);
+        let mut out = vec![IVec2::ZERO, IVec2::new(edge, 0), IVec2::splat(edge), IVec2::new(0, edge)];
+        let step = 1 + rng.index(3) as i32 * edge / 16;
+        let mut known: BTreeSet<(i32, i32)> = out.iter().map(|p| (p.x, p.y)).collect();
+        for _ in 0..4 + rng.index(200) {
+            let at = IVec2::from([0, 1].map(|_| rng.index((edge / step) as usize + 1) as i32 * step));
+            if known.insert((at.x, at.y)) {
+                out.push(at);
+            }
+        }
+        out
+    }
+
+    /// Checks that triangles run counter-clockwise, fill the square, and know each other.
+    fn check(mesh: &Triangulation<'_>, edge: i32) {
+        let mut area = 0;
+        for h in (0..mesh.half_edges()).step_by(3) {
+            let [a, b, c] = mesh.corners(h).map(|v| mesh.at[v as usize]);
+            assert!(turn(a, b, c) > 0, "{a} {b} {c}");
+            area += turn(a, b, c);
+        }
+        assert_eq!(area, 2 * i64::from(edge) * i64::from(edge));
+        for h in 0..mesh.half_edges() {
+            let ends = [mesh.starts[h as usize], mesh.end(h)];
+            match mesh.twin(h) {
+                Some(twin) => {
+                    assert_eq!(mesh.twin(twin), Some(h));
+                    assert_eq!([mesh.end(twin), mesh.starts[twin as usize]], ends);
+                    assert_eq!(mesh.fixed[h as usize], mesh.fixed[twin as usize]);
+                }
+                None => {
+                    let [a, b] = ends.map(|v| mesh.at[v as usize]);
+                    assert!((0..2).any(|k| a[k] == b[k] && (a[k] == 0 || a[k] == edge)), "{a} {b}");
+                }
+            }
+            assert_eq!(mesh.find(ends[0], ends[1]), Some(h));
+        }
+    }
+
+    /// Whether no edge that may be flipped has a corner beyond it within the circle around its triangle.
+    fn is_delaunay(mesh: &Triangulation<'_>) -> bool {
+        let inner = |h: &u32| mesh.twin(*h).is_some() && !mesh.fixed[*h as usize];
+        (0..mesh.half_edges()).filter(inner).all(|h| !mesh.is_flat(h))
+    }
+
+    #[test]
+    fn random_points_are_triangulated_as_delaunay_says() {
+        for seed in 0..300 {
+            let edge = [64, 4096, 1 << 19][seed as usize % 3];
+            let at = points(seed, edge);
+            let mesh = Triangulation::new(&at);
+            check(&mesh, edge);
+            assert!(is_delaunay(&mesh), "{seed}");
+        }
+    }
+
+    #[test]
+    fn edges_are_forced_unless_they_cross_forced_ones() {
+        let (mut forced, mut refused) = (0, 0);
+        for seed in 0..300 {
+            let edge = [64, 4096, 1 << 19][seed as usize % 3];
+            let at = points(1000 + seed, edge);
+            let mut rng = Seed(seed).stream("edges", &[]);
+            let mut mesh = Triangulation::new(&at);
+            let (mut kept, mut tried): (Vec<[u32; 2]>, Vec<[u32; 2]>) = (Vec::new(), Vec::new());
+            for _ in 0..30 {
+                let [a, b] = [0, 1].map(|_| rng.index(at.len()) as u32);
+                let [p, q] = [a, b].map(|v| at[v as usize]);
+                let crosses = |others: &[[u32; 2]]| {
+                    others.iter().map(|ends| ends.map(|v| at[v as usize])).any(|[c, d]| {
+                        turn(p, q, c).signum() * turn(p, q, d).signum() < 0
+                            && turn(c, d, p).signum() * turn(c, d, q).signum() < 0
+                            // Lines that cross at a vertex share it.
+                            && !at.iter().any(|v| turn(p, q, *v) == 0 && turn(c, d, *v) == 0)
+                    })
+                };
+                match mesh.fix(a, b) {
+                    Ok(()) => {
+                        assert!(!crosses(&kept), "{seed}");
+                        kept.push([a, b]);
+                        forced += 1;
+                    }
+                    Err(Crossing) => {
+                        assert!(crosses(&tried), "{seed}: {p} {q}");
+                        refused += 1;
+                    }
+                }
+                tried.push([a, b]);
+            }
+            mesh.improve(&vec![true; mesh.half_edges() as usize / 3]);
+            check(&mesh, edge);
+            assert!(is_delaunay(&mesh), "{seed}");
+            // A forced line is there, from vertex to vertex.
+            for [a, b] in kept {
+                let mut here = a;
+                while here != b {
+                    let Some(Toward::Along(h, end)) = mesh.toward(here, b) else { panic!("{seed}: a line is broken") };
+                    assert!(mesh.fixed[h as usize], "{seed}");
+                    here = end;
+                }
+            }
+        }
+        assert!(forced > 1000 && refused > 500, "{forced} {refused}");
+    }
 }
