@@ -63,13 +63,17 @@ pub trait Ranged: Clone {
     ///
     /// # Errors
     ///
-    /// Names the first number that is out of its range then.
+    /// Names the first number that is out of its range then, or a path that no number has.
     fn set(&mut self, values: &BTreeMap<String, f64>) -> Result<(), RangeError> {
+        let mut left = values.clone();
         let mut visit = |number: &Number<'_>| {
-            let value = values.get(number.path).copied().unwrap_or(number.value);
+            let value = left.remove(number.path).unwrap_or(number.value);
             Number { value, ..*number }.check()
         };
-        self.walk(&mut Walk::new(&mut visit))
+        self.walk(&mut Walk::new(&mut visit))?;
+        left.pop_first().map_or(Ok(()), |(field, value)| {
+            Err(RangeError { field, value: value.to_string(), allowed: "no number at this path".into() })
+        })
     }
 }
 
@@ -296,6 +300,7 @@ mod tests {
         let to = |values: &[(&str, f64)]| values.iter().map(|(path, value)| (path.to_string(), *value)).collect();
         assert!(wall.set(&to(&[("height", 4.0)])).is_err(), "8 gates are too many");
         assert_eq!(wall.set(&to(&[("height", 4.0), ("front.gates[1]", 3.0)])), Ok(()));
+        assert_eq!(wall.set(&to(&[("heigth", 4.0)])).unwrap_err().field, "heigth");
         assert_eq!(wall, Wall { height: 4.0, gates: (2, 3), ..WALL });
     }
 }

@@ -41,7 +41,7 @@ pub use self::drawn::{DrawnGround, GROUND_STEP, GroundTiles};
 pub use self::noise::NoiseTerrain;
 #[cfg(feature = "noise")]
 pub use self::noise_fn::{NoiseFnSettings, NoiseFnTerrain};
-pub use self::raster::{Band, Holes, JoinError, MOST_CELLS, Raster, RasterTerrain};
+pub use self::raster::{Band, Disagreement, Holes, JoinError, MOST_CELLS, Raster, RasterTerrain};
 #[cfg(feature = "cli")]
 pub use self::raster::{GeoUnits, PngPlace};
 pub use self::settings::TerrainSettings;

@@ -14,20 +14,28 @@ use crate::space::{
     quantum_key, stable_hash,
 };
 use glam::DVec2;
+use std::array::from_fn;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of places from which a street across a block is tried.
-const LOOKED_AT: usize = 15;
+const LOOKED_AT: usize = 8;
 
 /// Number of these places that compete with each other at a time.
-const TOGETHER: usize = 5;
+const TOGETHER: usize = 4;
+
+/// Greatest distance between two of these places at one street, in metres.
+const APART: f64 = 24.0;
+
+/// Number of rays that are cast at once.
+const RAYS: usize = 4;
 
 /// Angle off square at which streets are laid aslant across a block, in radians.
 const SLANT: f64 = 0.3;
 
 /// A place where a street across a block may begin.
 struct Start {
+    /// The penalty for leaving the field, and once the length is known the cost.
     cost: f64,
     from: DVec2,
     /// Unit direction square to the street at which it begins.
@@ -80,7 +88,7 @@ fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &
     draft.trial.narrow(|s: &Obstacle| {
         s.is_wall() || sides.get(s.edge as usize).is_none_or(|n| *n < 2) || edges.contains(&Some(s.edge))
     });
-    let starts = starts_across(draft, face, edges, reach, middle);
+    let starts = starts_across(draft, face, edges, (reach, middle), &limits);
     let mut line = Vec::new();
     starts.chunks(TOGETHER).any(|starts| {
         let mut mends: Vec<Mend> = Vec::with_capacity(TOGETHER);
@@ -100,8 +108,15 @@ fn divide(draft: &mut Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], sides: &
     })
 }
 
-/// The places where a street across a block may begin, the cheapest first. Costs are estimated with the coarse grid.
-fn starts_across(draft: &Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], reach: f64, middle: DVec2) -> Vec<Start> {
+/// The places where a street across a block may begin, the cheapest first. Where the street would end, what it costs and whether
+/// there is room for it is estimated with the coarse grid.
+fn starts_across(
+    draft: &Draft<'_>,
+    face: &Face,
+    edges: &[Option<EdgeIx>],
+    (reach, middle): (f64, DVec2),
+    limits: &Limits,
+) -> Vec<Start> {
     let mut starts: Vec<Start> = Vec::with_capacity(4 * edges.len());
     for (i, edge) in edges.iter().enumerate() {
         let Some(edge) = edge.filter(|e| draft.canvas.graph.is_live(*e)) else { continue };
@@ -114,14 +129,20 @@ fn starts_across(draft: &Draft<'_>, face: &Face, edges: &[Option<EdgeIx>], reach
         let cheaper = |a, b| if dearness(&b) < dearness(&a) { b } else { a };
         let Some((off, angle)) = ways.into_iter().reduce(cheaper) else { continue };
         let way = rotate(square, angle);
-        let parts = (a.distance(b) / 18.0).ceil().max(2.0) as usize;
-        for k in 1..parts {
-            let from = crate::space::quantize(a.lerp(b, k as f64 / parts as f64));
-            let [far] = draft.canvas.free.ahead([(from, way)], reach);
-            let cost = cost_across(from, from + way * far, far * off, angle, middle);
-            starts.push(Start { cost, from, square, way, angle, edge });
+        let parts = (a.distance(b) / APART).ceil().max(2.0) as usize;
+        let places = (1..parts).map(|k| crate::space::quantize(a.lerp(b, k as f64 / parts as f64)));
+        starts.extend(places.map(|from| Start { cost: off, from, square, way, angle, edge }));
+    }
+    for starts in starts.chunks_mut(RAYS) {
+        let rays = from_fn(|i| &starts[i.min(starts.len() - 1)]).map(|s| (s.from, s.way));
+        let far: [f64; RAYS] = draft.canvas.free.ahead(rays, reach);
+        for (s, far) in starts.iter_mut().zip(far) {
+            let end = s.from + s.way * far;
+            let free = way_is_roughly_free(&draft.canvas.free, s.from, end, limits);
+            s.cost = if free { cost_across(s.from, end, far * s.cost, s.angle, middle) } else { f64::INFINITY };
         }
     }
+    starts.retain(|s| s.cost < f64::INFINITY);
     // Of two that cost the same always the same one, whatever the order in which a selection leaves them.
     let key = |s: &Start| [s.cost, s.from.x, s.from.y, s.square.x, s.square.y, s.angle];
     let cheaper = |a: &Start, b: &Start| {

@@ -32,18 +32,18 @@ pub struct Finished<'a> {
 struct Inspection<'d, 's> {
     draft: &'d Draft<'d>,
     streets: &'s [Finished<'s>],
-    /// The vertices that streets lead to from each vertex at their ends, and the streets' lengths in metres.
-    ways: BTreeMap<VertexIx, Vec<(VertexIx, f64)>>,
+    /// For each vertex of the graph at which streets end, where they lead to and their lengths in metres.
+    ways: Vec<Vec<(VertexIx, f64)>>,
     found: Vec<Exception>,
 }
 
 /// Finds the places where `streets`, all of a cell, break a rule of its style.
 pub fn exceptions(draft: &Draft<'_>, streets: &[Finished<'_>]) -> Vec<Exception> {
-    let mut ways: BTreeMap<VertexIx, Vec<(VertexIx, f64)>> = BTreeMap::new();
+    let mut ways: Vec<Vec<(VertexIx, f64)>> = vec![Vec::new(); draft.canvas.graph.vertex_count()];
     for Finished { ends: [a, b], line, .. } in streets {
         let length = line_length(line);
-        ways.entry(*a).or_default().push((*b, length));
-        ways.entry(*b).or_default().push((*a, length));
+        ways[*a as usize].push((*b, length));
+        ways[*b as usize].push((*a, length));
     }
     let mut inspection = Inspection { draft, streets, ways, found: Vec::new() };
     inspection.lengths();
@@ -172,22 +172,24 @@ impl Inspection<'_, '_> {
             for &k in order[n + 1..].iter().take_while(|k| bounds[**k].min.x <= bounds[i].max.x) {
                 let (a, b) = (self.streets[i].ends, self.streets[k].ends);
                 if bounds[i].overlaps(bounds[k]) && !a.iter().any(|v| b.contains(v)) {
-                    self.clearance(i, k, least);
+                    self.clearance((i, bounds[i]), (k, bounds[k]), least);
                 }
             }
             self.clearance_of_border(i, bounds[i], least);
         }
     }
 
-    fn clearance(&mut self, i: usize, k: usize, least: f64) {
+    /// Distance between two streets, given with the boxes around them that are `least` metres larger.
+    fn clearance(&mut self, (i, around_a): (usize, Bounds), (k, around_b): (usize, Bounds), least: f64) {
         let (a, b) = (self.streets[i].line, self.streets[k].line);
         let near = |p: &(DVec2, DVec2), q: &(DVec2, DVec2)| {
             let (low, high) = (p.0.min(p.1) - least, p.0.max(p.1) + least);
             q.0.max(q.1).cmpge(low).all() && q.0.min(q.1).cmple(high).all()
         };
         let mut worst: Option<(f64, DVec2, DVec2)> = None;
-        for p in segments(a) {
-            for q in segments(b).filter(|q| near(&p, q)) {
+        let in_box = |bounds: Bounds| move |s: &(DVec2, DVec2)| bounds.overlaps(Bounds::of([s.0, s.1]));
+        for p in segments(a).filter(in_box(around_b)) {
+            for q in segments(b).filter(in_box(around_a)).filter(|q| near(&p, q)) {
                 if segment_distance(p.0, p.1, q.0, q.1) >= least {
                     continue;
                 }
@@ -305,7 +307,7 @@ impl Inspection<'_, '_> {
                 None if way > most => continue,
                 None => reached.push((v, way)),
             }
-            open.extend(self.ways.get(&v).into_iter().flatten().map(|(to, d)| (*to, way + d)));
+            open.extend(self.ways[v as usize].iter().map(|(to, d)| (*to, way + d)));
         }
         reached
     }

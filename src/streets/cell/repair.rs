@@ -52,17 +52,18 @@ pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> R
 /// The dead ends that the network may go on from, each with the length of its street in metres and whether that begins at a
 /// port; the shortest first.
 fn dead_ends(draft: &Draft<'_>) -> Vec<(f64, VertexIx, bool)> {
-    let g = &draft.canvas.graph;
-    let mut out: Vec<_> = g
-        .vertices()
-        .filter(|v| draft.canvas.is_dead_end(*v) && draft.canvas.nodes[*v as usize].open)
-        .map(|v| {
-            let (end, length) = draft.canvas.follow(v, g.edges_at(v)[0], |_| {});
-            (length, v, draft.canvas.nodes[end as usize].port.is_some())
-        })
-        .collect();
+    let mut out: Vec<_> = draft.canvas.graph.vertices().filter_map(|v| dead_end(draft, v)).collect();
     out.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     out
+}
+
+/// What [`dead_ends`] says of the vertex `v`; `None` if the network does not end there, or may not go on.
+fn dead_end(draft: &Draft<'_>, v: VertexIx) -> Option<(f64, VertexIx, bool)> {
+    let canvas = &draft.canvas;
+    (canvas.is_dead_end(v) && canvas.nodes[v as usize].open).then(|| {
+        let (end, length) = canvas.follow(v, canvas.graph.edges_at(v)[0], |_| {});
+        (length, v, canvas.nodes[end as usize].port.is_some())
+    })
 }
 
 /// Connects dead ends, except a share of them that the style lets stay.
@@ -149,12 +150,16 @@ fn square_ways(draft: &Draft<'_>, v: VertexIx, from: DVec2, onward: DVec2, reach
 
 /// Removes dead-end streets that are too short, except at ports and in pinned pieces.
 fn remove_stumps(draft: &mut Draft<'_>) {
+    let is_stump = |(length, _, at_port): &(f64, VertexIx, bool), most: f64| *length < most && !at_port;
     loop {
-        let stump = dead_ends(draft)
-            .into_iter()
-            .find(|(length, v, at_port)| *length < draft.rules.stump && !at_port && !is_pinned(draft, *v));
-        let Some((_, v, _)) = stump else { break };
-        if draft.canvas.remove_dead_end(v).is_none() {
+        let mut removed = false;
+        for end in dead_ends(draft) {
+            // Without the shorter ones this may be a longer street, or go on.
+            let stump =
+                dead_end(draft, end.1).filter(|end| is_stump(end, draft.rules.stump) && !is_pinned(draft, end.1));
+            removed |= stump.is_some_and(|(_, v, _)| draft.canvas.remove_dead_end(v).is_some());
+        }
+        if !removed {
             break;
         }
     }

@@ -29,6 +29,17 @@ pub struct Raster {
     pub(super) values: Vec<f32>,
     /// Number of cells that had no value and were filled.
     pub(super) filled: usize,
+    /// Where tiles overlap with different values, if it was joined from tiles that do.
+    pub(super) disagreement: Option<Disagreement>,
+}
+
+/// Tiles of one raster that overlap with different values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// Number of cells with different values.
+    pub cells: usize,
+    /// Greatest difference between two values of a cell, in units of the values.
+    pub most: f32,
 }
 
 impl Raster {
@@ -49,7 +60,7 @@ impl Raster {
                 allowed: format!("{cells}, one for each cell"),
             });
         }
-        Ok(Self { columns, rows, corner, step, values, filled: 0 })
+        Ok(Self { columns, rows, corner, step, values, filled: 0, disagreement: None })
     }
 
     /// Number of columns.
@@ -82,6 +93,11 @@ impl Raster {
     /// Number of cells that had no value in the file, and were filled as [`Holes`](super::Holes) say.
     pub fn filled(&self) -> usize {
         self.filled
+    }
+
+    /// Where tiles that were [joined](Self::join) overlap with different values.
+    pub fn disagreement(&self) -> Option<Disagreement> {
+        self.disagreement
     }
 
     /// The raster of rows from north to south, as files have them, once its cells without a value are filled.

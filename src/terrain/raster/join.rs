@@ -1,7 +1,7 @@
 //! Several tiles joined to one raster.
 
 use super::band::Band;
-use super::grid::{Raster, count};
+use super::grid::{Disagreement, Raster, count};
 use super::holes::Holes;
 use crate::layer::RangeError;
 use crate::space::Bounds;
@@ -60,8 +60,9 @@ fn show(p: DVec2) -> String {
 }
 
 impl Raster {
-    /// One raster of tiles whose cells are alike and in line. Where tiles overlap, the first that has a value counts. Cells of no
-    /// tile, and those without a value (see [`Holes::Keep`]), are filled as `holes` says.
+    /// One raster of tiles whose cells are alike and in line. Where tiles overlap, the first that has a value counts, and
+    /// [`Raster::disagreement`] says whether others differ. Cells of no tile, and those without a value (see [`Holes::Keep`]), are
+    /// filled as `holes` says.
     ///
     /// # Errors
     ///
@@ -72,6 +73,7 @@ impl Raster {
         let size = (bounds.size() / first.step).round();
         let (columns, rows) = (size.x as usize, size.y as usize);
         let mut values = vec![f32::NAN; count(columns, rows)?];
+        let mut differing = Disagreement { cells: 0, most: 0.0 };
         for (tile, it) in tiles.iter().enumerate() {
             let cells = DVec2::new(it.columns as f64, it.rows as f64);
             if ((it.step - first.step) / first.step * cells).abs().max_element() > OFF {
@@ -88,6 +90,9 @@ impl Raster {
                 for (to, from) in to.iter_mut().zip(&it.values[row * it.columns..(row + 1) * it.columns]) {
                     if to.is_nan() {
                         *to = *from;
+                    } else if *to != *from && !from.is_nan() {
+                        differing.cells += 1;
+                        differing.most = differing.most.max((*to - *from).abs());
                     }
                 }
             }
@@ -101,6 +106,7 @@ impl Raster {
         }
         let Self { mut values, .. } = joined;
         let filled = holes.fill(&mut values, columns, band).map_err(|e| JoinError::Fill(e.to_string()))?;
-        Ok(Self { values, filled, columns, rows, corner: bounds.min, step: first.step })
+        let disagreement = (differing.cells > 0).then_some(differing);
+        Ok(Self { values, filled, disagreement, columns, rows, corner: bounds.min, step: first.step })
     }
 }

@@ -21,7 +21,7 @@ pub use self::geotiff::GeoUnits;
 #[cfg(feature = "cli")]
 pub use self::png::PngPlace;
 pub use band::Band;
-pub use grid::{MOST_CELLS, Raster};
+pub use grid::{Disagreement, MOST_CELLS, Raster};
 pub use holes::Holes;
 pub use join::JoinError;
 pub use terrain::RasterTerrain;

@@ -311,6 +311,9 @@ fn tiles_are_joined_where_their_cells_fit() {
     let at = |column, row| joined.value(column, row).unwrap();
     assert_eq!([at(0, 0), at(2, 0), at(3, 0), at(0, 3), at(4, 5)], [0.0, 2.0, 101.0, 200.0, -5.0]);
     assert_eq!(joined.filled(), 6);
+    // The shared column is 2, 5, 8 in the first and 100, 103, 106 in the second.
+    assert_eq!(joined.disagreement(), Some(Disagreement { cells: 3, most: 98.0 }));
+    assert_eq!(join(&[tiles[0].clone(), tiles[0].clone()], Holes::Refuse).unwrap().disagreement(), None);
     assert_eq!(
         join(&tiles, Holes::Refuse).unwrap_err().to_string(),
         "6 of 30 cells have no height in any tile, the first near 35,35; fill them, or say how to fill them (`--fill`)"

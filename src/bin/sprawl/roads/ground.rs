@@ -31,6 +31,7 @@ impl GroundReport {
         let of = |read: &Read| {
             json!({
                 "tiles": read.tiles, "columns": read.columns, "rows": read.rows, "filled_cells": read.filled,
+                "differing_cells": read.disagreement.map_or(0, |d| d.cells),
             })
         };
         Value::Object(self.0.iter().map(|(name, read)| ((*name).to_owned(), of(read))).collect::<Map<_, _>>())
@@ -38,15 +39,22 @@ impl GroundReport {
 
     /// Lines for people on what is not as in the files.
     pub fn people(&self) -> String {
-        let filled = self.0.iter().filter(|(_, read)| read.filled > 0);
-        let line = |(name, read): &(&str, Read)| {
+        let filled = |(name, read): &(&str, Read)| {
             let with = match read.fill {
                 Some(value) => format!("take {value}"),
                 None => "take nothing".into(),
             };
             format!("\n{name}: {} of {} cells have no value and {with}", read.filled, read.columns * read.rows)
         };
-        filled.map(line).collect()
+        let differing = |(name, read): &(&str, Read)| {
+            let disagreement = read.disagreement?;
+            let (cells, most) = (disagreement.cells, disagreement.most);
+            Some(format!(
+                "\n{name}: tiles overlap with different values in {cells} cells, by up to {most}; the first tile counts"
+            ))
+        };
+        let without_value = self.0.iter().filter(|(_, read)| read.filled > 0).map(filled);
+        without_value.chain(self.0.iter().filter_map(differing)).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::fail::Fail;
 use crate::raster::{self, is_picture};
 use bevy_sprawl::space::Bounds;
-use bevy_sprawl::terrain::{Band, Holes, JoinError, PngPlace, Raster};
+use bevy_sprawl::terrain::{Band, Disagreement, Holes, JoinError, PngPlace, Raster};
 use glam::DVec2;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +55,8 @@ pub struct Read {
     /// Cells without a value, and what they were filled with.
     pub filled: usize,
     pub fill: Option<f64>,
+    /// Where tiles overlap with different values.
+    pub disagreement: Option<Disagreement>,
 }
 
 impl Tiles<'_> {
@@ -71,8 +73,15 @@ impl Tiles<'_> {
             }
         };
         let fill = if let Holes::Value(value) = self.holes { Some(value) } else { None };
-        let (columns, rows, filled) = (raster.columns(), raster.rows(), raster.filled());
-        Ok((raster, Read { tiles: self.files.len(), columns, rows, filled, fill }))
+        let read = Read {
+            tiles: self.files.len(),
+            columns: raster.columns(),
+            rows: raster.rows(),
+            filled: raster.filled(),
+            fill,
+            disagreement: raster.disagreement(),
+        };
+        Ok((raster, read))
     }
 
     fn file(&self, path: &Path, holes: Holes) -> Result<Raster, Fail> {
