@@ -9,7 +9,7 @@ use super::rules::Limits;
 use crate::network::{EdgeIx, VertexIx};
 use crate::space::{Bounds, math::rotate};
 use glam::DVec2;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of connections that are checked exactly.
 const TRIES: usize = 60;
@@ -44,7 +44,7 @@ pub fn connect_floating(draft: &mut Draft<'_>, anchors: &[VertexIx]) {
 }
 
 /// Connects the streets that no way connects to a port, the largest parts first, where a street can that keeps the rules of repair.
-/// Parts that none can connect are removed.
+/// Parts that none can connect are removed, but for those of pinned pieces, which [`connect_floating`] may still connect.
 pub fn connect_parts(draft: &mut Draft<'_>) {
     loop {
         let components = draft.canvas.graph.components();
@@ -64,7 +64,11 @@ pub fn connect_parts(draft: &mut Draft<'_>) {
             continue;
         }
         let g = &draft.canvas.graph;
-        let loose = g.edges().filter(|(_, edge)| floats(draft, &components, edge.a)).map(|(e, _)| e);
+        let part = |v: VertexIx| components[v as usize];
+        let pinned: BTreeSet<u32> =
+            g.vertices().filter(|v| draft.canvas.nodes[*v as usize].pinned).filter_map(part).collect();
+        let goes = |a: VertexIx| floats(draft, &components, a) && !part(a).is_some_and(|part| pinned.contains(&part));
+        let loose = g.edges().filter(|(_, edge)| goes(edge.a)).map(|(e, _)| e);
         for e in loose.collect::<Vec<_>>() {
             draft.canvas.graph.remove_edge(e);
         }
@@ -160,6 +164,8 @@ mod tests {
             let piece = draft.trial.built.clone();
             piece.iter().for_each(|v| draft.canvas.nodes[*v as usize].pinned = true);
             draft.rules.repair = Limits { min_piece: 500.0, ..draft.rules.repair };
+            connect_parts(&mut draft);
+            assert!(piece.iter().all(|v| draft.canvas.graph.degree(*v) > 0), "cell {seed}: a pinned piece is gone");
             connect_floating(&mut draft, &piece);
             let g = &draft.canvas.graph;
             links += g.edges().filter(|(_, e)| e.data.by == Maker::Link).count();

@@ -53,7 +53,7 @@ pub struct TileTable {
     dead_ends: f32,
     /// The streets of each window.
     windows: Vec<Window>,
-    /// Names of the maps that they are from, by the number of [`Window::map`].
+    /// Names of the maps that they are from, by the number of `Window::map`.
     pub maps: Vec<u64>,
     /// Edge of a tile in metres.
     pub size: f64,
