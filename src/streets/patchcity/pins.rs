@@ -5,7 +5,7 @@ use crate::patch::{PatchDatabase, PatchSet};
 use crate::space::quantize;
 use crate::streets::cell::Draft;
 use crate::streets::filler::{LeftOut, PinnedPiece};
-use crate::streets::semantic::{PinnedPatch, Placer, lay_pinned};
+use crate::streets::semantic::{PinnedPatch, Placer, lay_pinned, pieces_left_out};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -92,12 +92,6 @@ impl Pins {
 
     /// The pieces that were left out.
     pub fn left_out(&self, unfit: &[usize]) -> Vec<LeftOut> {
-        let reason = "does not fit among main streets, their ports and patches before it";
-        let unfit = unfit.iter().filter_map(|i| self.pinned[*i].piece).map(|piece| LeftOut { piece, reason });
-        let reason = "is no patch whose streets hang together";
-        let unknown = self.unknown.iter().map(|piece| LeftOut { piece: *piece, reason });
-        let mut out: Vec<LeftOut> = unfit.chain(unknown).collect();
-        out.sort_by_key(|l| l.piece);
-        out
+        pieces_left_out(&self.pinned, unfit, &self.unknown, "is no patch whose streets hang together")
     }
 }

@@ -22,7 +22,7 @@ mod tests;
 mod unused;
 
 pub use filler::SemanticPatches;
-pub use pinned::{PinnedPatch, lay_pinned};
+pub use pinned::{PinnedPatch, lay_pinned, pieces_left_out};
 pub use placer::Placer;
 pub use prepared::PatchFiller;
 pub use unused::{Extent, NeverLaid, StyleCells, patch_never_laid, pattern_never_laid};

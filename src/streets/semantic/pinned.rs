@@ -6,6 +6,7 @@ use crate::network::VertexIx;
 use crate::patch::PatchDatabase;
 use crate::space::{math, point_in_polygon};
 use crate::streets::cell::{Draft, Join, Limits, Maker, Proposal, RemovedStubs};
+use crate::streets::filler::LeftOut;
 use glam::DVec2;
 
 /// Distance within which the root of a patch stands in a port, in metres.
@@ -33,6 +34,22 @@ pub struct StandingPart {
     pub index: usize,
     /// One vertex of the part.
     pub vertex: VertexIx,
+}
+
+/// The pieces that were left out, in order: those of the patches `unfit`, indices into `pinned`, and those that are `unknown` for a
+/// reason of the filler's.
+pub fn pieces_left_out(
+    pinned: &[PinnedPatch],
+    unfit: &[usize],
+    unknown: &[usize],
+    why_unknown: &'static str,
+) -> Vec<LeftOut> {
+    let reason = "does not fit among main streets, their ports and patches before it";
+    let unfit = unfit.iter().filter_map(|i| pinned[*i].piece).map(|piece| LeftOut { piece, reason });
+    let unknown = unknown.iter().map(|piece| LeftOut { piece: *piece, reason: why_unknown });
+    let mut out: Vec<LeftOut> = unfit.chain(unknown).collect();
+    out.sort_by_key(|l| l.piece);
+    out
 }
 
 /// The placement of a pinned patch, in the size of its drawing.

@@ -2,7 +2,7 @@
 
 use super::choice::PatchChoice;
 use super::pattern::pattern_onwards;
-use super::pinned::{PinnedPatch, lay_pinned};
+use super::pinned::{PinnedPatch, lay_pinned, pieces_left_out};
 use super::placer::Placer;
 use super::start::start;
 use crate::layer::{Cancel, LayerError, Weigh};
@@ -42,13 +42,7 @@ impl PatchFiller {
 
     /// The pieces that were left out, where `unfit` are indices into `pinned`.
     fn left_out(&self, unfit: &[usize]) -> Vec<LeftOut> {
-        let reason = "does not fit among main streets, their ports and patches before it";
-        let unfit = unfit.iter().filter_map(|i| self.pinned[*i].piece).map(|piece| LeftOut { piece, reason });
-        let reason = "is not among the patches of the styles there";
-        let unknown = self.unknown.iter().map(|piece| LeftOut { piece: *piece, reason });
-        let mut out: Vec<LeftOut> = unfit.chain(unknown).collect();
-        out.sort_by_key(|l| l.piece);
-        out
+        pieces_left_out(&self.pinned, unfit, &self.unknown, "is not among the patches of the styles there")
     }
 
     /// The names of the patches that stand because a style counts them, where `unfit` are indices into `pinned`.
