@@ -40,21 +40,26 @@ impl<E: Clone> PlanarGraph<E> {
         // Half-edge 2e runs a to b, 2e + 1 back.
         let slots = self.edges().map(|(e, _)| e as usize + 1).max().unwrap_or(0) * 2;
         let mut next = vec![usize::MAX; slots];
-        let mut order: Vec<(f64, usize, usize)> = Vec::new();
+        let mut order: Vec<(f64, usize)> = Vec::new();
         for v in self.vertices() {
-            order.clear();
-            // One or two edges have only one cyclic order.
-            let has_order = self.degree(v) > 2;
-            for &e in self.edges_at(v) {
-                let edge = self.edge(e);
-                let out = 2 * e as usize + usize::from(edge.a != v);
-                let angle = if has_order { quarters(self.at(edge.other(v)) - self.at(v)) } else { 0.0 };
-                order.push((angle, out, out ^ 1));
-            }
-            order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-            // After a half-edge that comes in, the face on its left continues along the next edge clockwise.
-            for i in 0..order.len() {
-                next[order[(i + 1) % order.len()].2] = order[i].1;
+            let leaving = |e: EdgeIx| 2 * e as usize + usize::from(self.edge(e).a != v);
+            match *self.edges_at(v) {
+                [] => {}
+                [e] => next[leaving(e) ^ 1] = leaving(e),
+                [e, f] => {
+                    next[leaving(e) ^ 1] = leaving(f);
+                    next[leaving(f) ^ 1] = leaving(e);
+                }
+                ref edges => {
+                    order.clear();
+                    let angle = |e: EdgeIx| quarters(self.at(self.edge(e).other(v)) - self.at(v));
+                    order.extend(edges.iter().map(|e| (angle(*e), leaving(*e))));
+                    order.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+                    // After a half-edge that comes in, the face on its left continues along the next edge clockwise.
+                    for i in 0..order.len() {
+                        next[order[(i + 1) % order.len()].1 ^ 1] = order[i].1;
+                    }
+                }
             }
         }
         let mut seen = vec![false; slots];

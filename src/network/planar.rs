@@ -129,6 +129,13 @@ impl<E: Clone> PlanarGraph<E> {
         Self { index: None, ..Self::default() }
     }
 
+    /// Reserves memory for this many more vertices and edges.
+    pub fn reserve(&mut self, vertices: usize, edges: usize) {
+        self.positions.reserve(vertices);
+        self.incident.reserve(vertices);
+        self.edges.reserve(edges);
+    }
+
     /// Adds a vertex at `p`, rounded to the quantum grid.
     pub fn add_vertex(&mut self, p: DVec2) -> VertexIx {
         self.positions.push(quantize(p));

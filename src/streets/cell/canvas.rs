@@ -135,6 +135,7 @@ impl Canvas {
             origin,
         };
         obstacles.into_iter().enumerate().for_each(|(i, w)| canvas.put(i, w));
+        canvas.graph.reserve(USUAL, USUAL);
         for (i, port) in brief.ports.iter().enumerate() {
             canvas.add_vertex(port.at, Node { port: Some(i), wanted_degree: 1, ..Node::default() });
         }

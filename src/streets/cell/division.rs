@@ -7,11 +7,11 @@ use super::mend::{Mend, build_best, landing, off_by};
 use super::obstacle::{NONE, Obstacle};
 use super::proposal::Join;
 use super::rules::{Limits, WEDGE};
-use crate::network::{EdgeIx, Face, PlanarGraph, VertexIx};
+use crate::network::{EdgeIx, Face, HalfEdge, PlanarGraph, VertexIx};
 use crate::space::{
     Bounds, centroid,
     math::{angle_of, rotate},
-    quantum_key, stable_hash,
+    stable_hash,
 };
 use glam::DVec2;
 use std::array::from_fn;
@@ -19,10 +19,10 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of places from which a street across a block is tried.
-const LOOKED_AT: usize = 8;
+const LOOKED_AT: usize = 6;
 
 /// Number of these places that compete with each other at a time.
-const TOGETHER: usize = 4;
+const TOGETHER: usize = 3;
 
 /// Greatest distance between two of these places at one street, in metres.
 const APART: f64 = 24.0;
@@ -52,22 +52,23 @@ struct Start {
 pub fn divide_blocks(draft: &mut Draft<'_>, undivided: &mut BTreeSet<u64>) -> usize {
     let most = draft.rules.large_block;
     let mut added = 0;
-    let blocks = blocks(draft);
+    let streets = streets_and_border(draft);
+    let blocks = streets.faces().into_iter().map(|face| (face.area(), face)).filter(|(area, _)| *area > 0.0);
+    let blocks: Vec<(f64, Face)> = blocks.collect();
+    let local = |h: &HalfEdge| streets.edge(h.edge).data;
     // On how many sides each street has a block; what stands alone in the midst of one has none on its outside.
     let mut sides: Vec<u8> = vec![0; draft.canvas.graph.edge_count()];
-    for &e in blocks.iter().flat_map(|(_, edges)| edges.iter().flatten()) {
+    for e in blocks.iter().flat_map(|(_, face)| face.walk.iter().filter_map(local)) {
         sides[e as usize] = sides[e as usize].saturating_add(1);
     }
-    for (face, edges) in blocks {
-        if face.area() <= most {
-            continue;
-        }
-        let corners: Vec<u64> = face.polygon.iter().flat_map(|p| quantum_key(*p)).collect();
+    for (_, face) in blocks.iter().filter(|(area, _)| *area > most) {
+        let edges: Vec<Option<EdgeIx>> = face.walk.iter().map(local).collect();
+        let corners: Vec<u64> = face.polygon.iter().flat_map(|p| [p.x.to_bits(), p.y.to_bits()]).collect();
         let block = stable_hash(&corners);
         if undivided.contains(&block) {
             continue;
         }
-        if divide(draft, &face, &edges, &sides) {
+        if divide(draft, face, &edges, &sides) {
             added += 1;
         } else {
             undivided.insert(block);
@@ -128,9 +129,14 @@ fn starts_across(
         let dearness = |way: &(f64, f64)| way.0 * (1.0 + 0.5 * way.1.abs());
         let cheaper = |a, b| if dearness(&b) < dearness(&a) { b } else { a };
         let Some((off, angle)) = ways.into_iter().reduce(cheaper) else { continue };
-        let way = rotate(square, angle);
+        let way = if angle == 0.0 { square } else { rotate(square, angle) };
         let parts = (a.distance(b) / APART).ceil().max(2.0) as usize;
         let places = (1..parts).map(|k| crate::space::quantize(a.lerp(b, k as f64 / parts as f64)));
+        // Both parts of a street between junctions are long enough.
+        let g = &draft.canvas.graph;
+        let ends = [g.edge(edge).a, g.edge(edge).b].map(|v| (g.at(v), draft.canvas.is_end(v)));
+        let is_long = |from: &DVec2| ends.iter().all(|(at, is_end)| !is_end || at.distance(*from) >= limits.min_piece);
+        let places = places.filter(is_long);
         starts.extend(places.map(|from| Start { cost: off, from, square, way, angle, edge }));
     }
     for starts in starts.chunks_mut(RAYS) {
@@ -163,11 +169,14 @@ fn cost_across(from: DVec2, end: DVec2, distance: f64, angle: f64, middle: DVec2
     distance * (1.0 + 0.5 * angle.abs()) + 1.5 * ((from + end) / 2.0).distance(middle)
 }
 
-/// The blocks: faces between local streets and the border. For every step of its walk, each has the local edge, if there is
-/// one.
-fn blocks(draft: &Draft<'_>) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
+/// The local streets and the border as one graph, of which the faces are the blocks. Each edge has the local edge that it stands
+/// for, if it is not of the border.
+fn streets_and_border(draft: &Draft<'_>) -> PlanarGraph<Option<EdgeIx>> {
     let local = &draft.canvas.graph;
+    let border = 2 * draft.brief.border.len() + draft.brief.ports.len();
+    let (vertices, edges) = (local.vertex_count() + border, local.edge_count() + border);
     let mut graph: PlanarGraph<Option<EdgeIx>> = PlanarGraph::without_index();
+    graph.reserve(vertices, edges);
     // Local streets keep their vertices, but ports in one place, at both sides of a main street, are one there.
     let mut places: BTreeMap<[u64; 2], VertexIx> = BTreeMap::new();
     for v in local.vertices() {
@@ -207,13 +216,7 @@ fn blocks(draft: &Draft<'_>) -> Vec<(Face, Vec<Option<EdgeIx>>)> {
     for (e, edge) in local.edges() {
         graph.add_edge(shared(edge.a), shared(edge.b), Some(e));
     }
-    let faces = graph.faces().into_iter().filter(|f| f.area() > 0.0);
-    faces
-        .map(|f| {
-            let edges = f.walk.iter().map(|h| graph.edge(h.edge).data).collect();
-            (f, edges)
-        })
-        .collect()
+    graph
 }
 
 /// A quick test on the coarse grid: false if a street from `from` to `to`, which meets a street at both ends, surely comes too

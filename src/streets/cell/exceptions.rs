@@ -10,7 +10,6 @@ use crate::seam::APPROACH_LENGTH;
 use crate::space::{Bounds, distance_to_segment, line_length, math, segment_distance, segments};
 use crate::streets::filler::{Cause, Exception, Rule};
 use glam::DVec2;
-use std::collections::BTreeMap;
 
 /// Angle in radians, length and distance in metres by which a street may miss a rule: more than positions lose when they are
 /// rounded to the grid, again and again.
@@ -32,20 +31,77 @@ pub struct Finished<'a> {
 struct Inspection<'d, 's> {
     draft: &'d Draft<'d>,
     streets: &'s [Finished<'s>],
-    /// For each vertex of the graph at which streets end, where they lead to and their lengths in metres.
-    ways: Vec<Vec<(VertexIx, f64)>>,
+    arms: Arms,
     found: Vec<Exception>,
+}
+
+/// A street at one of its ends.
+#[derive(Clone, Copy, Default)]
+struct Arm {
+    /// The vertex at the other end.
+    to: VertexIx,
+    /// Its length in metres.
+    length: f64,
+    /// The first step of its line from here.
+    way: DVec2,
+    /// Whether it connects a pinned piece here.
+    is_link: bool,
+}
+
+/// The streets that end at each vertex.
+struct Arms {
+    /// Where those of each vertex begin in `arms`; one number more than there are vertices.
+    first: Vec<usize>,
+    arms: Vec<Arm>,
+}
+
+impl Arms {
+    fn new(draft: &Draft<'_>, streets: &[Finished<'_>]) -> Self {
+        let mut first = vec![0; draft.canvas.graph.vertex_count() + 1];
+        for v in streets.iter().flat_map(|s| s.ends) {
+            first[v as usize + 1] += 1;
+        }
+        for v in 1..first.len() {
+            first[v] += first[v - 1];
+        }
+        let mut free = first.clone();
+        let mut arms = vec![Arm::default(); 2 * streets.len()];
+        let mut put = |v: VertexIx, arm: Arm| {
+            arms[free[v as usize]] = arm;
+            free[v as usize] += 1;
+        };
+        let is_link = |end: Option<&(EdgeIx, bool)>| end.is_some_and(|(e, _)| is_link(draft, *e));
+        for Finished { ends: [a, b], line, chain, .. } in streets {
+            let (n, length) = (line.len(), line_length(line));
+            put(*a, Arm { to: *b, length, way: line[1] - line[0], is_link: is_link(chain.first()) });
+            put(*b, Arm { to: *a, length, way: line[n - 2] - line[n - 1], is_link: is_link(chain.last()) });
+        }
+        Self { first, arms }
+    }
+
+    /// The streets that end at a vertex, in their order.
+    fn at(&self, v: VertexIx) -> &[Arm] {
+        &self.arms[self.first[v as usize]..self.first[v as usize + 1]]
+    }
+}
+
+/// Buffers of a search along streets.
+#[derive(Default)]
+struct Search {
+    /// The ends of streets that were reached, with the shortest ways to them in metres.
+    reached: Vec<(VertexIx, f64)>,
+    open: Vec<(VertexIx, f64)>,
+}
+
+/// Whether an edge connects a pinned piece, as near to others as streets may be at all.
+fn is_link(draft: &Draft<'_>, edge: EdgeIx) -> bool {
+    draft.canvas.graph.edge(edge).data.by == Maker::Link
 }
 
 /// Finds the places where `streets`, all of a cell, break a rule of its style.
 pub fn exceptions(draft: &Draft<'_>, streets: &[Finished<'_>]) -> Vec<Exception> {
-    let mut ways: Vec<Vec<(VertexIx, f64)>> = vec![Vec::new(); draft.canvas.graph.vertex_count()];
-    for Finished { ends: [a, b], line, .. } in streets {
-        let length = line_length(line);
-        ways[*a as usize].push((*b, length));
-        ways[*b as usize].push((*a, length));
-    }
-    let mut inspection = Inspection { draft, streets, ways, found: Vec::new() };
+    let arms = Arms::new(draft, streets);
+    let mut inspection = Inspection { draft, streets, arms, found: Vec::new() };
     inspection.lengths();
     inspection.junctions();
     inspection.bends();
@@ -65,17 +121,12 @@ impl Inspection<'_, '_> {
     /// Whether a street is of a pinned piece or connects one.
     fn has_pin(&self, street: usize) -> bool {
         let Finished { vertices, chain, .. } = &self.streets[street];
-        vertices.iter().any(|v| self.is_pinned(*v)) || chain.iter().any(|(e, _)| self.is_link(*e))
-    }
-
-    /// Whether an edge connects a pinned piece, as near to others as streets may be at all.
-    fn is_link(&self, edge: EdgeIx) -> bool {
-        self.draft.canvas.graph.edge(edge).data.by == Maker::Link
+        vertices.iter().any(|v| self.is_pinned(*v)) || chain.iter().any(|(e, _)| is_link(self.draft, *e))
     }
 
     /// Whether a street that connects a pinned piece ends at a vertex.
     fn is_linked(&self, v: VertexIx) -> bool {
-        self.draft.canvas.graph.edges_at(v).iter().any(|e| self.is_link(*e))
+        self.draft.canvas.graph.edges_at(v).iter().any(|e| is_link(self.draft, *e))
     }
 
     fn is_port(&self, v: VertexIx) -> bool {
@@ -117,31 +168,17 @@ impl Inspection<'_, '_> {
     }
 
     fn junctions(&mut self) {
-        // The ways that leave each vertex, and whether each connects a pinned piece.
-        let mut around: BTreeMap<VertexIx, Vec<(DVec2, bool)>> = BTreeMap::new();
-        for street in self.streets {
-            let n = street.line.len();
-            let is_link = |end: Option<&(EdgeIx, bool)>| end.is_some_and(|(e, _)| self.is_link(*e));
-            let first = (street.line[1] - street.line[0], is_link(street.chain.first()));
-            let last = (street.line[n - 2] - street.line[n - 1], is_link(street.chain.last()));
-            around.entry(street.ends[0]).or_default().push(first);
-            around.entry(street.ends[1]).or_default().push(last);
-        }
         let most = (self.draft.rules.local.degree.1 as usize).max(2);
-        for (v, ways) in around {
+        for v in self.draft.canvas.graph.vertices() {
+            let arms = self.arms.at(v);
             let at = self.draft.canvas.graph.at(v);
             let cause = |by_link: bool| if by_link || self.is_pinned(v) { Cause::Pin } else { Cause::Defect };
-            let mut found = Vec::new();
-            if ways.len() > most {
-                let others = ways.iter().filter(|way| !way.1).count();
-                found.push((Rule::Degree, cause(others <= most)));
-            }
-            let pairs = ways.iter().enumerate().flat_map(|(i, a)| ways[..i].iter().map(move |b| (a, b)));
-            let sharp: Vec<bool> = pairs.filter(|(a, b)| self.is_sharp(a.0, b.0)).map(|(a, b)| a.1 || b.1).collect();
-            if !sharp.is_empty() {
-                found.push((Rule::Angle, cause(sharp.iter().all(|by_link| *by_link))));
-            }
-            found.into_iter().for_each(|(rule, cause)| self.report(rule, cause, at));
+            let others = || arms.iter().filter(|arm| !arm.is_link).count();
+            let degree = (arms.len() > most).then(|| (Rule::Degree, cause(others() <= most)));
+            let pairs = arms.iter().enumerate().flat_map(|(i, a)| arms[..i].iter().map(move |b| (a, b)));
+            let sharp = pairs.filter(|(a, b)| self.is_sharp(a.way, b.way)).map(|(a, b)| a.is_link || b.is_link);
+            let angle = sharp.reduce(|a, b| a && b).map(|by_link| (Rule::Angle, cause(by_link)));
+            degree.into_iter().chain(angle).for_each(|(rule, cause)| self.report(rule, cause, at));
         }
     }
 
@@ -168,19 +205,26 @@ impl Inspection<'_, '_> {
             self.streets.iter().map(|s| Bounds::of(s.line.iter().copied()).grown(least)).collect();
         let mut order: Vec<usize> = (0..self.streets.len()).collect();
         order.sort_by(|a, b| bounds[*a].min.x.total_cmp(&bounds[*b].min.x).then(a.cmp(b)));
+        let mut search = Search::default();
         for (n, &i) in order.iter().enumerate() {
             for &k in order[n + 1..].iter().take_while(|k| bounds[**k].min.x <= bounds[i].max.x) {
                 let (a, b) = (self.streets[i].ends, self.streets[k].ends);
                 if bounds[i].overlaps(bounds[k]) && !a.iter().any(|v| b.contains(v)) {
-                    self.clearance((i, bounds[i]), (k, bounds[k]), least);
+                    self.clearance((i, bounds[i]), (k, bounds[k]), least, &mut search);
                 }
             }
-            self.clearance_of_border(i, bounds[i], least);
+            self.clearance_of_border(i, bounds[i], least, &mut search);
         }
     }
 
     /// Distance between two streets, given with the boxes around them that are `least` metres larger.
-    fn clearance(&mut self, (i, around_a): (usize, Bounds), (k, around_b): (usize, Bounds), least: f64) {
+    fn clearance(
+        &mut self,
+        (i, around_a): (usize, Bounds),
+        (k, around_b): (usize, Bounds),
+        least: f64,
+        search: &mut Search,
+    ) {
         let (a, b) = (self.streets[i].line, self.streets[k].line);
         let near = |p: &(DVec2, DVec2), q: &(DVec2, DVec2)| {
             let (low, high) = (p.0.min(p.1) - least, p.0.max(p.1) + least);
@@ -197,7 +241,7 @@ impl Inspection<'_, '_> {
                     let distance = x.distance(y);
                     if distance < least
                         && worst.is_none_or(|w| distance < w.0)
-                        && self.far_along((i, x), (k, y), distance)
+                        && self.far_along((i, x), (k, y), distance, search)
                     {
                         worst = Some((distance, x, y));
                     }
@@ -220,7 +264,7 @@ impl Inspection<'_, '_> {
     }
 
     /// Distance from the main streets around the cell, at one place for each street at most.
-    fn clearance_of_border(&mut self, i: usize, bounds: Bounds, least: f64) {
+    fn clearance_of_border(&mut self, i: usize, bounds: Bounds, least: f64, search: &mut Search) {
         let brief = self.draft.brief;
         let n = brief.border.len();
         for w in (0..n).filter(|w| brief.street_half_width.get(*w).copied().flatten().is_some()) {
@@ -233,7 +277,7 @@ impl Inspection<'_, '_> {
                 for (x, y) in nearest_pairs((p, q), (c, d)) {
                     let distance = x.distance(y);
                     let is_worse = distance < least && worst.is_none_or(|w| distance < w.0);
-                    if is_worse && !self.port_near(i, x, y, distance) {
+                    if is_worse && !self.port_near((i, x), y, distance, search) {
                         worst = Some((distance, x));
                     }
                 }
@@ -256,10 +300,10 @@ impl Inspection<'_, '_> {
     }
 
     /// Whether a port makes a point of a street near to a point of a main street, `distance` from it.
-    fn port_near(&self, i: usize, x: DVec2, y: DVec2, distance: f64) -> bool {
+    fn port_near(&self, (i, x): (usize, DVec2), y: DVec2, distance: f64, search: &mut Search) -> bool {
         let most = longest_way(distance);
         let g = &self.draft.canvas.graph;
-        self.reached(i, x, most).into_iter().any(|(v, d)| self.is_port(v) && d + g.at(v).distance(y) <= most)
+        self.reaches((i, x), most, search, |v, way| self.is_port(v) && way + g.at(v).distance(y) <= most)
     }
 
     /// Whether `p` lies on the stub of a port that the street begins at.
@@ -273,11 +317,11 @@ impl Inspection<'_, '_> {
     }
 
     /// Whether two points of streets are farther apart along the streets than `distance` allows.
-    fn far_along(&self, (i, x): (usize, DVec2), (k, y): (usize, DVec2), distance: f64) -> bool {
+    fn far_along(&self, (i, x): (usize, DVec2), (k, y): (usize, DVec2), distance: f64, search: &mut Search) -> bool {
         let most = longest_way(distance);
-        let reached = self.reached(i, x, most);
-        let ends = self.streets[k].ends.into_iter().zip(self.to_ends(k, y));
-        ends.into_iter().all(|(v, d)| reached.iter().all(|(at, way)| *at != v || way + d > most))
+        let [a, b] = self.streets[k].ends;
+        let [to_a, to_b] = self.to_ends(k, y);
+        !self.reaches((i, x), most, search, |v, way| v == a && way + to_a <= most || v == b && way + to_b <= most)
     }
 
     /// Ways from a point of a street to its ends.
@@ -294,11 +338,19 @@ impl Inspection<'_, '_> {
         [best.1, before - best.1]
     }
 
-    /// The ends of streets that a way of at most `most` metres leads to, with the shortest ways.
-    fn reached(&self, street: usize, p: DVec2, most: f64) -> Vec<(VertexIx, f64)> {
-        let mut reached: Vec<(VertexIx, f64)> = Vec::new();
-        let mut open: Vec<(VertexIx, f64)> =
-            self.streets[street].ends.into_iter().zip(self.to_ends(street, p)).collect();
+    /// Whether a way of at most `most` metres leads from a point of a street to an end of streets that `is_it` holds for, given the
+    /// vertex there and the length of the way.
+    fn reaches(
+        &self,
+        (street, p): (usize, DVec2),
+        most: f64,
+        search: &mut Search,
+        is_it: impl Fn(VertexIx, f64) -> bool,
+    ) -> bool {
+        let Search { reached, open } = search;
+        reached.clear();
+        open.clear();
+        open.extend(self.streets[street].ends.into_iter().zip(self.to_ends(street, p)));
         // Few ends are so near that an order of search would pay.
         while let Some((v, way)) = open.pop() {
             match reached.iter_mut().find(|at| at.0 == v) {
@@ -307,9 +359,12 @@ impl Inspection<'_, '_> {
                 None if way > most => continue,
                 None => reached.push((v, way)),
             }
-            open.extend(self.ways[v as usize].iter().map(|(to, d)| (*to, way + d)));
+            if is_it(v, way) {
+                return true;
+            }
+            open.extend(self.arms.at(v).iter().map(|arm| (arm.to, way + arm.length)));
         }
-        reached
+        false
     }
 }
 

@@ -29,6 +29,27 @@ const STUB: f64 = 30.0;
 /// Distance that these keep from other streets if the style lets them, in metres.
 const CUL_DE_SAC_GAP: f64 = 22.0;
 
+/// Steps by which a street turns to both sides where a dead end goes on.
+const FAN: [i8; 17] = [-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8];
+
+/// Angles in radians by which a street with a bend turns there.
+const BENDS: [f64; 4] = [1.57, -1.57, 1.1, -1.1];
+
+/// A dead end.
+struct End {
+    v: VertexIx,
+    at: DVec2,
+    /// Unit direction in which its street would go on.
+    onward: DVec2,
+}
+
+impl End {
+    /// Distance within which it is connected to other streets, in metres.
+    fn reach(&self, draft: &Draft<'_>) -> f64 {
+        1.5 * draft.rules.local.length
+    }
+}
+
 /// Repairs the network. Repair beats deletion: only stumps are removed. The streets around `anchors`, vertices of the graph,
 /// are connected to a port.
 pub fn repair(draft: &mut Draft<'_>, anchors: &[VertexIx], cancel: &Cancel) -> Result<(), LayerError> {
@@ -81,43 +102,55 @@ fn connect_dead_ends(draft: &mut Draft<'_>) {
 
 /// Connects the dead end `v` by a straight street or by one with a bend, if one keeps the rules of the repair.
 fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
-    let at = draft.canvas.graph.at(v);
     let Some(onward) = draft.canvas.onward(v) else { return false };
-    let reach = 1.5 * draft.rules.local.length;
+    let end = End { v, at: draft.canvas.graph.at(v), onward };
     let limits = draft.rules.repair;
-    draft.gather(at, reach + limits.gap + 30.0);
+    let reach = end.reach(draft);
+    draft.gather(end.at, reach + limits.gap + 30.0);
+    let fan = |_: &Draft<'_>, from: DVec2| {
+        if from == end.at { FAN.map(|step| 0.17 * f64::from(step)).to_vec() } else { BENDS.to_vec() }
+    };
+    // A style may allow no angle but a right one.
+    let square = |draft: &Draft<'_>, from: DVec2| square_ways(draft, end.v, from, end.onward, reach);
+    let mends = ways_on(draft, &end, fan);
+    if build_best(draft, mends, &limits, TRIES, Maker::Repair) {
+        return true;
+    }
+    let mends = ways_on(draft, &end, square);
+    build_best(draft, mends, &limits, TRIES, Maker::Repair) || meet_far_end(draft, &end)
+}
+
+/// The streets by which a dead end may go on to what was gathered: straight ones, and such with a bend after some metres straight
+/// on. `angles` has the angles from straight on, in radians, in which they may leave a place.
+fn ways_on(draft: &Draft<'_>, end: &End, angles: impl Fn(&Draft<'_>, DVec2) -> Vec<f64>) -> Vec<Mend> {
+    let &End { v, at, onward } = end;
+    let reach = end.reach(draft);
     let mut mends: Vec<Mend> = Vec::new();
     let mut line = Vec::new();
-    let fan = (-8i32..=8).map(|step| f64::from(step) * 0.17);
-    for angle in fan.chain(square_ways(draft, v, at, onward, reach)).collect::<Vec<f64>>() {
-        let direction = rotate(onward, angle);
-        if let Some((end, last, distance)) = landing(draft, at, direction, reach, v, &mut line) {
+    for angle in angles(draft, at) {
+        if let Some((end, last, distance)) = landing(draft, at, rotate(onward, angle), reach, v, &mut line) {
             let welcome = if matches!(last, Join::At(w) if draft.canvas.is_dead_end(w)) { 0.6 } else { 1.0 };
             let cost = distance * welcome * (1.0 + 0.5 * angle.abs());
             mends.push(Mend::straight(cost, at, end, Join::At(v), last));
         }
     }
     let ahead = draft.landing().ray(at, at + onward * reach, v).map_or(reach, |h| h.1 * reach);
-    for share in [34.0, 52.0, 75.0] {
-        if share > ahead - 18.0 {
-            break;
-        }
+    for share in [34.0, 52.0, 75.0].into_iter().take_while(|share| *share <= ahead - 18.0) {
         let bend = at + onward * share;
-        for angle in [1.57, -1.57, 1.1, -1.1].into_iter().chain(square_ways(draft, v, bend, onward, reach)) {
+        for angle in angles(draft, bend) {
             if let Some((end, last, distance)) = landing(draft, bend, rotate(onward, angle), reach, NONE, &mut line)
-                && -onward.dot((end - bend).normalize_or_zero()) <= limits.bend_cosine
+                && -onward.dot((end - bend).normalize_or_zero()) <= draft.rules.repair.bend_cosine
             {
                 let cost = 1.5 * (share + distance);
                 mends.push(Mend::bent(cost, [at, bend, end], Join::At(v), last));
             }
         }
     }
-    build_best(draft, mends, &limits, TRIES, Maker::Repair) || meet_far_end(draft, v, at, onward)
+    mends
 }
 
-/// Leads the dead end `v`, which lies at `at` and points `onward`, to another dead end that is farther away, by a straight
-/// street or by one with a bend.
-fn meet_far_end(draft: &mut Draft<'_>, v: VertexIx, at: DVec2, onward: DVec2) -> bool {
+/// Leads a dead end to another one that is farther away, by a straight street or by one with a bend.
+fn meet_far_end(draft: &mut Draft<'_>, &End { v, at, onward }: &End) -> bool {
     let reach = FAR_ENDS * draft.rules.local.length;
     // Better near a main street than a dead end.
     let limits = Limits { wall_gap: draft.rules.repair.clearance, ..draft.rules.repair };
@@ -138,8 +171,8 @@ fn meet_far_end(draft: &mut Draft<'_>, v: VertexIx, at: DVec2, onward: DVec2) ->
     build_best(draft, mends, &limits, TRIES, Maker::Repair)
 }
 
-/// Angles in radians from `onward` at which streets from `from` meet others within `reach` metres square, for a style may allow
-/// no other angle. What ends at `v` is left out.
+/// Angles in radians from `onward` at which streets from `from` meet others within `reach` metres square. What ends at `v` is
+/// left out.
 fn square_ways(draft: &Draft<'_>, v: VertexIx, from: DVec2, onward: DVec2, reach: f64) -> Vec<f64> {
     let near = draft.trial.near.obstacles.iter().filter(|s| !s.is_wall() && !s.ends_at(v));
     let feet = near.map(|s| nearest(from, s.a, s.b) - from).filter(|way| way.length() < reach);

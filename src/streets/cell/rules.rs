@@ -152,7 +152,8 @@ pub struct CellRules {
     pub stump: f64,
     /// Greatest distance of a street that is straightened from straight; 0 where streets may wind.
     pub dogleg: f64,
-    /// Area in square metres from which repair divides a block.
+    /// Area in square metres from which repair divides a block. Where the style asks for crossings it is as at junctions of three or
+    /// four streets: what divides a block meets others in T junctions, which such a style does not ask for.
     pub large_block: f64,
 }
 
@@ -213,7 +214,7 @@ impl CellRules {
             field_pull,
             stump: (stump * local.length).max(local.min_length),
             dogleg,
-            large_block: 2.6 * blocks.area * local.length * local.length,
+            large_block: 2.6 * blocks.area.max(1.0) * local.length * local.length,
         }
     }
 }
