@@ -34,6 +34,8 @@ pub(super) struct Ground {
     pub graph: PlanarGraph<StreetClass>,
     /// What the map covers, in that frame: its box there is turned, so this holds for a point of the map's own frame.
     covered: Bounds,
+    /// Whether the map itself says what it covers.
+    is_stated: bool,
     /// The origin of the frame, in the map's metres.
     pub middle: DVec2,
     /// Angle of the frame's x axis in the map, in radians.
@@ -79,7 +81,8 @@ impl Ground {
             let (height, storeys) = (building.height, building.storeys);
             buildings.entry(square_of(at)).or_default().push(GroundBuilding { outline, middle: at, height, storeys });
         }
-        Self { graph: tidy(&graph), covered, middle, turned, buildings }
+        let is_stated = map.stated_bounds.is_some();
+        Self { graph: tidy(&graph), covered, is_stated, middle, turned, buildings }
     }
 
     /// The buildings whose middles lie in a box, in a fixed order.
@@ -100,6 +103,12 @@ impl Ground {
     /// Whether the map covers a point of this frame.
     pub fn covers(&self, p: DVec2) -> bool {
         self.covered.grown(1.0).contains(self.in_map(p))
+    }
+
+    /// Whether a junction of this frame is one of the map as well: a map that says what it covers may leave out some of its streets
+    /// beyond.
+    pub fn has_all_streets_at(&self, p: DVec2) -> bool {
+        !self.is_stated || self.covers(p)
     }
 
     /// A point of this frame in the map's metres.

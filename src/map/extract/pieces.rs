@@ -30,7 +30,7 @@ pub(super) fn extract(ground: &Ground, options: &ExtractOptions, out: &mut MapPa
         let locals: Vec<EdgeIx> = graph.edges_at(v).iter().copied().filter(is_local).collect();
         let main: Vec<EdgeIx> = graph.edges_at(v).iter().copied().filter(|e| !is_local(e)).collect();
         let is_seed = !locals.is_empty() && (!main.is_empty() || locals.len() > 2);
-        if !is_seed || !ground.covers(at) || seeds.iter().any(|s| s.distance(at) < options.interval) {
+        if !is_seed || !ground.has_all_streets_at(at) || seeds.iter().any(|s| s.distance(at) < options.interval) {
             continue;
         }
         seeds.push(at);

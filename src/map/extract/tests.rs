@@ -210,8 +210,8 @@ fn every_real_map_gives_patches() {
     files.retain(|f| f.metadata().is_ok_and(|m| m.len() < 110_000));
     for file in files {
         let map = Map::read(&file, &MapOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-        for (kind, interval) in [(PatchKind::Windows, 100.0), (PatchKind::Pieces, 50.0)] {
-            let options = ExtractOptions { kind, interval, ..ExtractOptions::default() };
+        for kind in [PatchKind::Windows, PatchKind::Pieces] {
+            let options = ExtractOptions { kind, interval: 100.0, ..ExtractOptions::default() };
             let found = extracted(&map, &options);
             assert!(found.patches.len() > 9, "{}: {:?}", file.display(), found.left_out);
         }
