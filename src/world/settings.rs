@@ -39,16 +39,16 @@ impl Default for Settings {
     }
 }
 
-/// Most memory for the things that are kept, in MiB, each 8 to 65,536. The bounds change speed, never the world.
+/// Most memory for the things that are kept, in MiB, each up to 65,536. The bounds change speed, never the world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSettings {
-    /// Settlements and roads.
+    /// Settlements and roads. At least 16: the roads of one place need the settlements of some thousand cells at once.
     pub region_mib: f64,
-    /// Towns and their filled main cells, and the ground that they stand on.
+    /// Towns and their filled main cells, and the ground that they stand on. At least 8.
     pub town_mib: f64,
-    /// Chunks.
+    /// Chunks. At least 8.
     pub chunk_mib: f64,
 }
 
@@ -96,7 +96,7 @@ impl Ranged for Settings {
 impl Ranged for CacheSettings {
     fn walk(&mut self, walk: &mut Walk<'_>) -> Result<(), RangeError> {
         let Self { region_mib, town_mib, chunk_mib } = self;
-        walk.number("region_mib", region_mib, 8.0, 65_536.0)?;
+        walk.number("region_mib", region_mib, 16.0, 65_536.0)?;
         walk.number("town_mib", town_mib, 8.0, 65_536.0)?;
         walk.number("chunk_mib", chunk_mib, 8.0, 65_536.0)
     }

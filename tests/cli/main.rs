@@ -245,7 +245,7 @@ fn digests_do_not_depend_on_order_threads_or_memory() {
     assert_eq!(first["chunks"].as_object().map(serde_json::Map::len), Some(6));
     let layers = ["terrain", "region", "town", "streets", "parcel", "chunk", "mesh"];
     assert!(layers.iter().all(|l| first["layers"][l].as_str().is_some_and(|h| h.len() == 16)), "{first}");
-    let small = file("small.ron", "(cache: (region_mib: 8, town_mib: 8, chunk_mib: 8))");
+    let small = file("small.ron", "(cache: (region_mib: 16, town_mib: 8, chunk_mib: 8))");
     let small = small.to_string_lossy();
     for flags in [
         &["--order", "reverse", "--threads", "3"][..],

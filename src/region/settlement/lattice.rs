@@ -1,6 +1,6 @@
 //! The lattices: which settlement a lattice cell of a tier holds.
 
-use super::model::{PerSize, Settlement, SettlementId};
+use super::model::{Settlement, SettlementId};
 use super::settings::SettlementSettings;
 use super::spacing::{conflict, conflict_distance};
 use super::{name, suitability};
@@ -24,7 +24,13 @@ impl Weigh for Cell {
     }
 }
 
-type CellCache = LayerCache<I64Vec2, Cell>;
+/// How far the settlement of a cell is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Stage {
+    /// The best place of the cell, before it is compared with other cells of its tier.
+    Candidate,
+    Accepted,
+}
 
 /// The terrain, which need not implement `Debug`.
 struct TerrainHandle(Arc<dyn Terrain>);
@@ -41,21 +47,14 @@ pub(in crate::region) struct Lattices {
     pub seed: Seed,
     pub settings: SettlementSettings,
     terrain: TerrainHandle,
-    /// The best place of each cell, before it is compared with other cells of its tier.
-    candidates: PerSize<CellCache>,
-    accepted: PerSize<CellCache>,
+    /// One cache for all: which tier has the most cells depends on the settings.
+    found: LayerCache<(Stage, SizeClass, I64Vec2), Cell>,
 }
 
 impl Lattices {
-    /// The lattices of `seed` on `terrain`. `settings` must have been checked. `cache_bytes` bounds the memory of the caches.
+    /// The lattices of `seed` on `terrain`. `settings` must have been checked. `cache_bytes` bounds the memory of the cache.
     pub fn new(seed: Seed, settings: &SettlementSettings, terrain: Arc<dyn Terrain>, cache_bytes: usize) -> Self {
-        Self {
-            seed,
-            settings: settings.clone(),
-            terrain: TerrainHandle(terrain),
-            candidates: PerSize::from_fn(|_| CellCache::new(cache_bytes / 6)),
-            accepted: PerSize::from_fn(|_| CellCache::new(cache_bytes / 6)),
-        }
+        Self { seed, settings: settings.clone(), terrain: TerrainHandle(terrain), found: LayerCache::new(cache_bytes) }
     }
 
     pub fn terrain(&self) -> &dyn Terrain {
@@ -70,7 +69,7 @@ impl Lattices {
         mut take: impl FnMut(Arc<Settlement>),
     ) -> Result<(), LayerError> {
         for cell in self.cells(bounds, size) {
-            let found = self.accepted.of(size).get(&cell, || Ok(Cell(self.accept(cell, size)?)))?;
+            let found = self.found.get(&(Stage::Accepted, size, cell), || Ok(Cell(self.accept(cell, size)?)))?;
             if let Some(settlement) = &found.0
                 && bounds.contains(settlement.centre.plan())
             {
@@ -117,7 +116,7 @@ impl Lattices {
     }
 
     fn candidate(&self, cell: I64Vec2, size: SizeClass) -> Result<Arc<Cell>, LayerError> {
-        self.candidates.of(size).get(&cell, || Ok(Cell(self.choose(cell, size)?)))
+        self.found.get(&(Stage::Candidate, size, cell), || Ok(Cell(self.choose(cell, size)?)))
     }
 
     /// The most promising of the places of a cell that suit a settlement.
@@ -135,17 +134,23 @@ impl Lattices {
             .map(|offset| Origin::at(bounds.centre() + offset * bounds.size()))
             .collect();
 
-        let mut higher = vec![];
-        for &tier in size.higher() {
-            let padding = self.conflict_distance(size, tier);
-            let around = Bounds::of(places.iter().map(|p| p.plan())).grown(padding);
-            let near = Reach::new("settlement", bounds, padding).check(around)?;
-            self.accepted_in(near, tier, |other| higher.push(other))?;
+        // Around each place alone: a wide cell of a rare tier holds very many cells of the tiers above.
+        let mut free = Vec::with_capacity(PLACES);
+        for place in places {
+            let mut conflicts = false;
+            for &tier in size.higher() {
+                let padding = self.conflict_distance(size, tier);
+                let around = Bounds::square(place.plan(), 2.0 * padding);
+                let near = Reach::new("settlement", bounds, padding).check(around)?;
+                self.accepted_in(near, tier, |other| conflicts |= conflict(s, &other, place, radius))?;
+            }
+            if !conflicts {
+                free.push(place);
+            }
         }
         let mut ground = self.terrain().scan_ground();
-        let mut places: Vec<(f64, Origin)> = places
+        let mut places: Vec<(f64, Origin)> = free
             .into_iter()
-            .filter(|p| !higher.iter().any(|o| conflict(s, o, *p, radius)))
             .filter_map(|p| Some((suitability::promise(&mut ground, p.plan(), radius, s.max_slope, s.max_height)?, p)))
             .collect();
         // A stable sort: of equal places, the one drawn first stays first.

@@ -39,11 +39,6 @@ impl<T> PerSize<T> {
             SizeClass::Village => &mut self.village,
         }
     }
-
-    /// Makes the value for each size class, cities first.
-    pub(super) fn from_fn(mut make: impl FnMut(SizeClass) -> T) -> Self {
-        Self { city: make(SizeClass::City), town: make(SizeClass::Town), village: make(SizeClass::Village) }
-    }
 }
 
 /// A settlement: its position, size and style.

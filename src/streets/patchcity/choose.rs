@@ -1,7 +1,7 @@
 //! Which tile comes next: the one whose streets go on those of the tiles beside it (equations 5 to 7), moved in the neighbourhood
 //! of its place in the map until they go on best.
 
-use super::cost::{pair_weight, pairs, side_cost};
+use super::cost::{pair_weight, paired_cost, pairs, side_cost};
 use super::side::{Crossing, Side};
 use super::table::{Choice, TileTable};
 use crate::space::Stream;
@@ -90,7 +90,15 @@ fn gather<'a>(
     best: &mut Best,
 ) {
     for &tile in tiles {
-        let mut cost = estimate(table, asked, tile);
+        // Those that are kept cost the same already.
+        if best.bar() <= SAME {
+            break;
+        }
+        // To pair the streets of sides with different numbers of them takes long, and few tiles are so good.
+        if estimate(table, asked, tile, least_cost_of_side) >= best.bar() {
+            continue;
+        }
+        let mut cost = estimate(table, asked, tile, cost_of_side);
         if cost >= best.bar() {
             continue;
         }
@@ -134,14 +142,15 @@ impl Off {
 }
 
 /// The cost of a tile's sides once it is moved as well as it may be, as if its streets crossed the sides at right angles.
-fn estimate(table: &TileTable, asked: &Asked<'_>, tile: u32) -> f32 {
+/// `unlike` is the cost of a side that has another number of streets.
+fn estimate(table: &TileTable, asked: &Asked<'_>, tile: u32, unlike: impl Fn(&[Crossing], &[Crossing]) -> f32) -> f32 {
     let mut off = [Off::default(); 2];
     let mut rest = 0.0;
     for side in Side::ALL {
         let Some(fixed) = asked.sides[side as usize] else { continue };
         let own = table.side(tile, side);
         if fixed.len() != own.len() {
-            rest += cost_of_side(fixed, own);
+            rest += unlike(fixed, own);
             continue;
         }
         for (a, b) in fixed.iter().zip(own) {
@@ -154,20 +163,19 @@ fn estimate(table: &TileTable, asked: &Asked<'_>, tile: u32) -> f32 {
     rest + off[0].least(margin) + off[1].least(margin)
 }
 
+/// What a side where the numbers of streets differ costs at least: some of the longer side stay alone.
+fn least_cost_of_side(fixed: &[Crossing], own: &[Crossing]) -> f32 {
+    let (short, long) = if fixed.len() < own.len() { (fixed, own) } else { (own, fixed) };
+    let narrowest = long.iter().map(|c| c.width).fold(f32::INFINITY, f32::min);
+    (long.len() - short.len()) as f32 * ALONE * ALONE * narrowest * narrowest
+}
+
 /// Cost of a side, also where the numbers of streets differ.
 pub fn cost_of_side(fixed: &[Crossing], own: &[Crossing]) -> f32 {
     if fixed.len() == own.len() {
         return side_cost(fixed, own);
     }
-    let together = pairs(fixed, own, ALONE);
-    let paired: f32 = together.iter().map(|(i, k)| side_cost(&fixed[*i..=*i], &own[*k..=*k])).sum();
-    let alone = |side: &[Crossing], is_paired: &dyn Fn(usize) -> bool| -> f32 {
-        let left = side.iter().enumerate().filter(|(i, _)| !is_paired(*i));
-        left.map(|(_, c)| ALONE * ALONE * c.width * c.width).sum()
-    };
-    paired
-        + alone(fixed, &|i| together.iter().any(|pair| pair.0 == i))
-        + alone(own, &|k| together.iter().any(|pair| pair.1 == k))
+    paired_cost(fixed, own, ALONE)
 }
 
 /// Cost of a choice.

@@ -26,13 +26,44 @@ pub fn side_cost(a: &[Crossing], b: &[Crossing]) -> f32 {
     a.iter().zip(b).map(|(a, b)| pair_cost(*a, *b)).sum()
 }
 
+/// Number of crossings of a side for which no memory is allocated; few sides have more.
+const FEW: usize = 31;
+
+/// Cost of a side where crossings become one in [`pairs`] and the others stay alone.
+pub fn paired_cost(a: &[Crossing], b: &[Crossing], alone: f32) -> f32 {
+    let (mut few, mut many) = ([0.0f32; FEW + 1], Vec::new());
+    // The least cost of the crossings of `a` so far with the first ones of `b`.
+    let least = few.get_mut(..=b.len()).unwrap_or_else(|| {
+        many.resize(b.len() + 1, 0.0);
+        &mut many
+    });
+    for k in 0..b.len() {
+        least[k + 1] = least[k] + alone_cost(b[k], alone);
+    }
+    for &x in a {
+        let mut before = least[0];
+        least[0] += alone_cost(x, alone);
+        for (k, &y) in b.iter().enumerate() {
+            let paired = before + pair_cost(x, y);
+            before = least[k + 1];
+            least[k + 1] = paired.min(before + alone_cost(x, alone)).min(least[k] + alone_cost(y, alone));
+        }
+    }
+    least[b.len()]
+}
+
+/// Cost of a crossing that stays alone: as much as a pair `alone` metres apart.
+fn alone_cost(c: Crossing, alone: f32) -> f32 {
+    alone * alone * c.width * c.width
+}
+
 /// The pairs of crossings on both sides that become one, in order, so that their cost is the least; a crossing may stay alone at
 /// the cost of a pair `alone` metres apart. Where both sides have as many, they pair in order, as in the paper.
 pub fn pairs(a: &[Crossing], b: &[Crossing], alone: f32) -> Vec<(usize, usize)> {
     if a.len() == b.len() {
         return (0..a.len()).map(|i| (i, i)).collect();
     }
-    let left = |c: Crossing| alone * alone * c.width * c.width;
+    let left = |c: Crossing| alone_cost(c, alone);
     // The least cost of the first crossings, and whether the last two pair.
     let width = b.len() + 1;
     let mut least = vec![0.0f32; (a.len() + 1) * width];
@@ -89,5 +120,33 @@ mod tests {
         assert_eq!(pairs(&side(&[0.0, 50.0]), &side(&[48.0]), 60.0), [(1, 0)]);
         assert_eq!(pairs(&side(&[-80.0, 2.0, 70.0]), &side(&[0.0, 71.0]), 60.0), [(1, 0), (2, 1)]);
         assert_eq!(pairs(&side(&[]), &side(&[0.0]), 60.0), []);
+    }
+
+    #[test]
+    fn the_cost_of_a_side_is_that_of_its_pairs_and_of_what_stays_alone() {
+        let mut rng = crate::space::Seed(5).stream("crossings", &[]);
+        for round in 0..300 {
+            let [a, b] = [0, 1].map(|_| {
+                let count = rng.index(if round < 290 { 9 } else { 50 });
+                let mut side: Vec<Crossing> =
+                    (0..count).map(|_| crossing(rng.range(-90.0, 90.0) as f32, rng.range(5.0, 14.0) as f32)).collect();
+                side.sort_by(|x, y| x.at.total_cmp(&y.at));
+                side
+            });
+            if a.len() == b.len() {
+                continue;
+            }
+            let pairs = pairs(&a, &b, 30.0);
+            let paired: f32 = pairs.iter().map(|(i, k)| pair_cost(a[*i], b[*k])).sum();
+            let left = |side: &[Crossing], paired: Vec<usize>| -> f32 {
+                let alone = side.iter().enumerate().filter(|(i, _)| !paired.contains(i));
+                alone.map(|(_, c)| alone_cost(*c, 30.0)).sum()
+            };
+            let expected = paired
+                + left(&a, pairs.iter().map(|pair| pair.0).collect())
+                + left(&b, pairs.iter().map(|pair| pair.1).collect());
+            let cost = paired_cost(&a, &b, 30.0);
+            assert!((cost - expected).abs() <= 1e-3 * expected, "{round}: {cost} and {expected}");
+        }
     }
 }
