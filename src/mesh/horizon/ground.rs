@@ -1,7 +1,7 @@
 //! Ground and water of a tile.
 
 use super::massing::HorizonTown;
-use super::tile::{CELLS, HorizonTile, step, vertex};
+use super::tile::HorizonTile;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::ground::{WATER, WATER_ALPHA, colour};
 use crate::terrain::{Terrain, TerrainSample};
@@ -16,9 +16,6 @@ const TOWN: Rgb = [0.170, 0.175, 0.120];
 /// How much of the ground of a town has that colour.
 const TOWN_SHARE: f32 = 0.6;
 
-/// Vertices along an edge, one more on either side.
-const ROW: usize = CELLS + 3;
-
 /// The terrain at the vertices of a tile and one beyond.
 pub(super) struct Land {
     tile: HorizonTile,
@@ -26,22 +23,28 @@ pub(super) struct Land {
     samples: Vec<TerrainSample>,
 }
 
+/// Vertices along an edge of a tile, one more on either side.
+fn row_length(tile: HorizonTile) -> usize {
+    tile.cells() + 3
+}
+
 impl Land {
     pub fn new(tile: HorizonTile, chunk_size: i64, terrain: &dyn Terrain) -> Self {
+        let row = row_length(tile);
         let sample = |i: usize| {
-            let at = IVec2::new((i % ROW) as i32 - 1, (i / ROW) as i32 - 1);
-            terrain.sample(vertex(tile, chunk_size, at))
+            let at = IVec2::new((i % row) as i32 - 1, (i / row) as i32 - 1);
+            terrain.sample(tile.vertex(chunk_size, at))
         };
-        Self { tile, chunk_size, samples: (0..ROW * ROW).map(sample).collect() }
+        Self { tile, chunk_size, samples: (0..row * row).map(sample).collect() }
     }
 
     /// The sample at a column and row, from -1.
     fn at(&self, column: i32, row: i32) -> &TerrainSample {
-        &self.samples[(row + 1) as usize * ROW + (column + 1) as usize]
+        &self.samples[(row + 1) as usize * row_length(self.tile) + (column + 1) as usize]
     }
 
     fn step(&self) -> f64 {
-        step(self.tile, self.chunk_size)
+        self.tile.step(self.chunk_size)
     }
 
     fn gradient(&self, column: i32, row: i32) -> DVec2 {
@@ -53,10 +56,10 @@ impl Land {
     /// The ground with its skirts.
     pub fn ground(&self, towns: &[HorizonTown<'_>]) -> MeshBuffers {
         let mut out = MeshBuffers::default();
-        let (n, step) = (CELLS as i32, self.step());
+        let (n, step) = (self.tile.cells() as i32, self.step());
         for (row, column) in (0..=n).flat_map(|row| (0..=n).map(move |column| (row, column))) {
             let (sample, gradient) = (self.at(column, row), self.gradient(column, row));
-            let plan = vertex(self.tile, self.chunk_size, IVec2::new(column, row));
+            let plan = self.tile.vertex(self.chunk_size, IVec2::new(column, row));
             let wild = colour(sample, gradient);
             let in_town = sample.depth() <= 0.0 && towns.iter().any(|town| town.contains(plan));
             let colour = if in_town { blend(wild, TOWN, TOWN_SHARE) } else { wild };
@@ -98,8 +101,8 @@ impl Land {
     /// The surface of the water, in every square with ground below it at a corner.
     pub fn water(&self) -> MeshBuffers {
         let mut out = MeshBuffers::default();
-        let (n, step) = (CELLS as i32, self.step());
-        let mut index = vec![u32::MAX; (CELLS + 1) * (CELLS + 1)];
+        let (n, step) = (self.tile.cells() as i32, self.step());
+        let mut index = vec![u32::MAX; (self.tile.cells() + 1).pow(2)];
         for (row, column) in (0..n).flat_map(|row| (0..n).map(move |column| (row, column))) {
             let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(c, r)| (column + c, row + r));
             if corners.iter().all(|(c, r)| self.at(*c, *r).depth() <= 0.0) {

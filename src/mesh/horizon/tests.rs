@@ -48,6 +48,39 @@ fn tiles_meet_their_neighbours() {
 }
 
 #[test]
+fn quarters_of_a_tile_show_what_it_shows() {
+    let case = any_settlement(3);
+    let parcels = ParcelRules::default();
+    let town = HorizonTown { settlement: &case.settlement, outline: &case.outline, parcels: &parcels };
+    let mesh = |tile| horizon(tile, CHUNK, &case.terrain, &[town], &Cancel::new()).expect("nothing is cancelled");
+    // Vertices in the plan with their heights, skirts aside since they hang below other vertices.
+    let tops = |tile: HorizonTile| {
+        let (mesh, origin) = (mesh(tile), tile.origin(CHUNK).plan());
+        let mut out: BTreeMap<[u64; 2], f32> = BTreeMap::new();
+        for [x, y, z] in &mesh[ChunkPart::Ground].positions {
+            let plan = origin + DVec2::new(f64::from(*x), f64::from(-*z));
+            let top = out.entry(plan.to_array().map(f64::to_bits)).or_insert(f32::NEG_INFINITY);
+            *top = y.max(*top);
+        }
+        (out, mesh[ChunkPart::Buildings].positions.len(), mesh[ChunkPart::Water].indices.len())
+    };
+    let mut boxes = 0;
+    for tile in tiles_around(1) {
+        assert!(tile.children().iter().all(|child| child.parent() == tile));
+        let whole = tops(tile);
+        let mut quarters = (BTreeMap::new(), 0, 0);
+        for (vertices, buildings, water) in tile.children().map(tops) {
+            quarters.0.extend(vertices);
+            quarters.1 += buildings;
+            quarters.2 += water;
+        }
+        assert_eq!(whole, quarters);
+        boxes += whole.1;
+    }
+    assert!(boxes > 0);
+}
+
+#[test]
 fn every_place_around_is_in_one_tile_and_the_nearer_the_finer() {
     let mut rng = Seed(4).stream("horizon", &[]);
     for _ in 0..40 {
