@@ -22,6 +22,9 @@ pub struct StreamAnchor {
     pub unload_radius: f32,
     /// What lies within this distance is shown in full detail, in metres, up to 50,000; chunks beyond in reduced detail.
     pub detail_radius: f32,
+    /// The land beyond the chunks is shown out to this distance, in metres, 0 to 50,000: coarse ground, water, and towns as boxes. 0
+    /// shows none. Nothing is made where nothing could draw it. A camera needs a far plane to match (Bevy's is 1,000 m).
+    pub horizon: f32,
     /// Whether the origin follows this anchor: see [`OriginSettings`](super::OriginSettings). Unset it for an anchor that is
     /// far from the others, such as a second view of another town.
     pub moves_origin: bool,
@@ -36,6 +39,7 @@ impl Default for StreamAnchor {
             load_radius: 1200.0,
             unload_radius: 1700.0,
             detail_radius: 600.0,
+            horizon: 8_000.0,
             moves_origin: true,
             start_on_street: true,
         }
@@ -64,11 +68,11 @@ impl StreamAnchor {
         Self { load_radius, unload_radius, detail_radius, ..default() }
     }
 
-    /// The radii (load, unload, detail) in metres, limited to their ranges; a radius that is not finite counts as 0.
-    fn radii(&self) -> (f64, f64, f64) {
+    /// The radii (load, unload, detail, horizon) in metres, limited to their ranges; a radius that is not finite counts as 0.
+    fn radii(&self) -> [f64; 4] {
         let metres = |r: f32| if r.is_finite() { f64::from(r).clamp(0.0, 50_000.0) } else { 0.0 };
         let load = metres(self.load_radius);
-        (load, metres(self.unload_radius).max(load), metres(self.detail_radius))
+        [load, metres(self.unload_radius).max(load), metres(self.detail_radius), metres(self.horizon)]
     }
 }
 
@@ -92,6 +96,7 @@ pub(super) struct AnchorView {
     pub load: f64,
     pub unload: f64,
     pub detail: f64,
+    pub horizon: f64,
     pub moves_origin: bool,
 }
 
@@ -144,7 +149,7 @@ pub(super) fn read_anchors(
             warn_once!("a StreamAnchor is at {position}, outside of the world, and loads nothing");
             continue;
         }
-        let (load, unload, detail) = anchor.radii();
+        let [load, unload, detail, horizon] = anchor.radii();
         let moved = at - motion.last.unwrap_or(at);
         if moved.length() > FASTEST * seconds {
             motion.velocity = DVec2::ZERO;
@@ -155,6 +160,6 @@ pub(super) fn read_anchors(
         motion.last = Some(at);
         let ahead = (motion.velocity * f64::from(settings.lookahead_s.max(0.0))).clamp_length_max(load / 2.0);
         let moves_origin = anchor.moves_origin;
-        views.push(AnchorView { at, ahead: at + ahead, load, unload, detail, moves_origin });
+        views.push(AnchorView { at, ahead: at + ahead, load, unload, detail, horizon, moves_origin });
     }
 }

@@ -10,7 +10,7 @@ use std::ops::{Index, IndexMut};
 
 pub use crate::mesh::ChunkPart;
 
-/// Each child of a chunk's entity that shows a mesh has this component.
+/// Each child of the entity of a chunk, or of a tile of the horizon, that shows a mesh has this component.
 impl Component for ChunkPart {
     const STORAGE_TYPE: StorageType = StorageType::Table;
     type Mutability = Mutable;
@@ -23,7 +23,7 @@ fn default_material(part: ChunkPart) -> StandardMaterial {
     StandardMaterial { perceptual_roughness: roughness, reflectance, alpha_mode, ..default() }
 }
 
-/// The materials that all chunks share, one for each [`ChunkPart`]. Colours come from the vertices.
+/// The materials that all chunks and tiles share, one for each [`ChunkPart`]. Colours come from the vertices.
 ///
 /// A game may change a material at any time, or replace a handle before the first chunk is loaded. Materials with textures need
 /// [`StreamSettings::texture_coordinates`](crate::plugin::StreamSettings::texture_coordinates).

@@ -2,9 +2,11 @@
 //!
 //! A chunk is a root entity at its south-west corner and height 0, with its meshes as children. A game may add further
 //! children; they are despawned with the chunk.
+//!
+//! The land beyond the chunks is made of tiles: root entities with a [`HorizonTile`], with their meshes as children.
 
 use crate::chunk::Chunk;
-use crate::mesh::Detail;
+use crate::mesh::{Detail, HorizonTile};
 use crate::space::ChunkCoord;
 use bevy::ecs::component::{Immutable, StorageType};
 use bevy::prelude::*;
@@ -15,6 +17,12 @@ impl_reflect_opaque!((in bevy_sprawl::space) ChunkCoord(Component, Default, Debu
 
 /// The name of a chunk. Every chunk entity has it.
 impl Component for ChunkCoord {
+    const STORAGE_TYPE: StorageType = StorageType::Table;
+    type Mutability = Immutable;
+}
+
+/// The name of a tile of the horizon. Each root entity of the land beyond the chunks has it, hidden or not.
+impl Component for HorizonTile {
     const STORAGE_TYPE: StorageType = StorageType::Table;
     type Mutability = Immutable;
 }
@@ -116,7 +124,8 @@ pub(super) struct ChunkPlugin;
 
 impl Plugin for ChunkPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(ChunkCoord, ChunkStatus, ChunkChange)>()
+        app.register_type::<(ChunkCoord, ChunkStatus, ChunkChange, HorizonTile)>()
+            .register_type_data::<HorizonTile, ReflectComponent>()
             .add_message::<ChunkReady>()
             .add_message::<ChunkUnloaded>()
             .add_message::<ChunkFailed>();

@@ -2,7 +2,7 @@
 
 use super::frame_time::{FrameTime, Stopwatch};
 use super::schedule::SprawlSystems;
-use super::streaming::{ChunkIndex, Scheduler};
+use super::streaming::{ChunkIndex, Horizon, Scheduler};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
@@ -10,12 +10,17 @@ use bevy::prelude::*;
 pub const DIAGNOSTIC_CHUNKS_LOADED: DiagnosticPath = DiagnosticPath::const_new("sprawl/chunks_loaded");
 /// Number of tasks in flight.
 pub const DIAGNOSTIC_TASKS_IN_FLIGHT: DiagnosticPath = DiagnosticPath::const_new("sprawl/tasks_in_flight");
-/// Milliseconds of the frame for applying and removing chunks.
+/// Milliseconds of the frame for applying and removing chunks and tiles.
 pub const DIAGNOSTIC_APPLY_MS: DiagnosticPath = DiagnosticPath::const_new("sprawl/apply_ms");
 /// Milliseconds of the frame for all systems of the plugin.
 pub const DIAGNOSTIC_MAIN_THREAD_MS: DiagnosticPath = DiagnosticPath::const_new("sprawl/main_thread_ms");
 /// Number of chunks made since the start.
 pub const DIAGNOSTIC_CHUNKS_MADE: DiagnosticPath = DiagnosticPath::const_new("sprawl/chunks_made");
+
+/// Number of tiles of the horizon that are there, shown or not.
+pub const DIAGNOSTIC_TILES_LOADED: DiagnosticPath = DiagnosticPath::const_new("sprawl/tiles_loaded");
+/// Number of tiles of the horizon made since the start.
+pub const DIAGNOSTIC_TILES_MADE: DiagnosticPath = DiagnosticPath::const_new("sprawl/tiles_made");
 
 /// Figures about streaming in the last frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
@@ -33,7 +38,17 @@ pub struct SprawlStats {
     pub chunks_failed: u64,
     /// Mean time to make a chunk with its meshes, in milliseconds of a background thread.
     pub chunk_ms: f32,
-    /// Milliseconds of the frame for applying and removing chunks.
+    /// Number of tiles of the horizon that are there, shown or not.
+    pub tiles_loaded: usize,
+    /// Number of tiles of the horizon that are wanted and not there yet.
+    pub tiles_missing: usize,
+    /// Number of tiles of the horizon made since the start.
+    pub tiles_made: u64,
+    /// Number of tiles of the horizon that could not be made since the start.
+    pub tiles_failed: u64,
+    /// Mean time to make a tile of the horizon, in milliseconds of a background thread.
+    pub tile_ms: f32,
+    /// Milliseconds of the frame for applying and removing chunks and tiles.
     pub apply_ms: f32,
     /// Milliseconds of the frame for all systems of the plugin, applying included.
     pub main_thread_ms: f32,
@@ -50,6 +65,8 @@ impl Plugin for DiagnosticsPlugin {
             .register_diagnostic(Diagnostic::new(DIAGNOSTIC_APPLY_MS).with_suffix("ms"))
             .register_diagnostic(Diagnostic::new(DIAGNOSTIC_MAIN_THREAD_MS).with_suffix("ms"))
             .register_diagnostic(Diagnostic::new(DIAGNOSTIC_CHUNKS_MADE))
+            .register_diagnostic(Diagnostic::new(DIAGNOSTIC_TILES_LOADED))
+            .register_diagnostic(Diagnostic::new(DIAGNOSTIC_TILES_MADE))
             .add_systems(PostUpdate, report.in_set(SprawlSystems::Report));
     }
 }
@@ -57,7 +74,7 @@ impl Plugin for DiagnosticsPlugin {
 /// Reports the frame. The time that this takes counts towards the next frame.
 fn report(
     mut stopwatch: Stopwatch,
-    (index, scheduler): (Res<ChunkIndex>, Res<Scheduler>),
+    (index, horizon, scheduler): (Res<ChunkIndex>, Res<Horizon>, Res<Scheduler>),
     mut stats: ResMut<SprawlStats>,
     mut diagnostics: Diagnostics,
 ) {
@@ -66,10 +83,15 @@ fn report(
     let now = SprawlStats {
         chunks_loaded: index.loaded(),
         chunks_missing: index.missing(),
-        tasks_in_flight: scheduler.tasks_in_flight(&index),
-        chunks_made: scheduler.made,
-        chunks_failed: scheduler.failed,
-        chunk_ms: (scheduler.task_seconds * 1000.0 / scheduler.made.max(1) as f64) as f32,
+        tasks_in_flight: scheduler.tasks_in_flight(&index, &horizon),
+        chunks_made: scheduler.chunks.made,
+        chunks_failed: scheduler.chunks.failed,
+        chunk_ms: scheduler.chunks.mean_ms(),
+        tiles_loaded: horizon.loaded(),
+        tiles_missing: horizon.missing(),
+        tiles_made: scheduler.tiles.made,
+        tiles_failed: scheduler.tiles.failed,
+        tile_ms: scheduler.tiles.mean_ms(),
         apply_ms: apply.as_secs_f32() * 1000.0,
         main_thread_ms: total.as_secs_f32() * 1000.0,
     };
@@ -79,4 +101,6 @@ fn report(
     diagnostics.add_measurement(&DIAGNOSTIC_APPLY_MS, || f64::from(now.apply_ms));
     diagnostics.add_measurement(&DIAGNOSTIC_MAIN_THREAD_MS, || f64::from(now.main_thread_ms));
     diagnostics.add_measurement(&DIAGNOSTIC_CHUNKS_MADE, || now.chunks_made as f64);
+    diagnostics.add_measurement(&DIAGNOSTIC_TILES_LOADED, || now.tiles_loaded as f64);
+    diagnostics.add_measurement(&DIAGNOSTIC_TILES_MADE, || now.tiles_made as f64);
 }

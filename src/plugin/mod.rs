@@ -9,7 +9,7 @@
 //! | `source`, `regenerate` | the inputs of the world; making the next world when they change |
 //! | `assets`, `rejected_edits` | inputs from files |
 //! | `origin`, `anchor`, `shift` | coordinates, the anchors that the world is streamed around, moving the origin |
-//! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks, their meshes and materials, how they come and go |
+//! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks and of the horizon, their meshes and materials, how they come and go |
 //! | `queries`, `task`, `spawn_point`, `start` | questions of games to the world |
 //! | `diagnostics`, `gizmos` | figures and debug lines |
 //!
@@ -49,6 +49,7 @@ mod stream_settings;
 mod streaming;
 mod task;
 
+pub use crate::mesh::HorizonTile;
 pub use crate::world::TerrainSource;
 pub use anchor::{AnchorMotion, StartOnStreet, StreamAnchor};
 pub use appearance::{ChunkPart, SprawlMaterials};
@@ -58,7 +59,7 @@ pub use assets::{
 pub use chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
 pub use diagnostics::{
     DIAGNOSTIC_APPLY_MS, DIAGNOSTIC_CHUNKS_LOADED, DIAGNOSTIC_CHUNKS_MADE, DIAGNOSTIC_MAIN_THREAD_MS,
-    DIAGNOSTIC_TASKS_IN_FLIGHT, SprawlStats,
+    DIAGNOSTIC_TASKS_IN_FLIGHT, DIAGNOSTIC_TILES_LOADED, DIAGNOSTIC_TILES_MADE, SprawlStats,
 };
 pub use gizmos::SprawlGizmos;
 pub use origin::SprawlOrigin;

@@ -54,8 +54,13 @@ impl SprawlOrigin {
 
     /// The translation of the entity of a chunk: its south-west corner at height 0.
     pub(super) fn chunk_translation(self, coord: ChunkCoord, size: i64) -> Vec3 {
+        self.translation(coord.origin(size))
+    }
+
+    /// The translation of an entity that stands at `corner` and height 0.
+    pub(super) fn translation(self, corner: Origin) -> Vec3 {
         // Integers keep the errors of many shifts of the origin from adding up.
-        let offset = coord.origin(size).0 - self.0.0;
+        let offset = corner.0 - self.0.0;
         Vec3::new(offset.x as f32, 0.0, -offset.y as f32)
     }
 }

@@ -1,11 +1,12 @@
 //! The order of the plugin's systems.
 
+use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 /// The steps of the plugin in each frame. They are sets of `PostUpdate`, run in this order, and all run before Bevy
-/// propagates transforms. So a game may move its anchors in `Update`, and a chunk is drawn in the frame in which its
-/// entity gets its meshes.
+/// propagates transforms and passes new meshes on to the renderer. So a game may move its anchors in `Update`, and a chunk is drawn
+/// in the frame in which its entity gets its meshes.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SprawlSystems {
     /// Takes up changed assets, edits and settings, and makes a new world from them in the background.
@@ -39,7 +40,11 @@ impl Plugin for SchedulePlugin {
         use WorldSystems::{Check, Load, Regenerate};
         app.configure_sets(
             PostUpdate,
-            (World, Anchors, Stream, Apply, Report).chain().before(TransformSystems::Propagate),
+            // Bevy passes new meshes on to the renderer in the frame in which they come, and not in the next.
+            (World, Anchors, Stream, Apply, Report)
+                .chain()
+                .before(TransformSystems::Propagate)
+                .before(AssetEventSystems),
         )
         .configure_sets(PostUpdate, (Load, Regenerate, Check).chain().in_set(World));
     }

@@ -6,6 +6,7 @@ use super::origin::SprawlOrigin;
 use super::schedule::SprawlSystems;
 use super::source::SprawlSource;
 use super::streaming::ChunkIndex;
+use crate::mesh::HorizonTile;
 use crate::space::{Bounds, ChunkCoord, Origin};
 use bevy::prelude::*;
 use glam::{DVec2, I64Vec2};
@@ -27,7 +28,7 @@ impl Default for OriginSettings {
 
 /// Whether the [`Transform`] of a root entity is shifted together with the origin. Every root is shifted by default, so that
 /// distances between things stay the same; children move with their roots. Insert `ShiftsWithOrigin::No` for a root that
-/// belongs to no place in the world. Chunks, and the roots that anchors belong to, are always shifted.
+/// belongs to no place in the world. Chunks, tiles of the horizon, and the roots that anchors belong to, are always shifted.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
@@ -61,7 +62,13 @@ impl Plugin for ShiftPlugin {
 }
 
 /// Entities without a parent, with the components that decide whether they are shifted.
-type Root = (Entity, &'static mut Transform, Option<&'static ShiftsWithOrigin>, Option<&'static ChunkCoord>);
+type Root = (
+    Entity,
+    &'static mut Transform,
+    Option<&'static ShiftsWithOrigin>,
+    Option<&'static ChunkCoord>,
+    Option<&'static HorizonTile>,
+);
 
 fn shift_origin(
     mut stopwatch: Stopwatch,
@@ -85,13 +92,14 @@ fn shift_origin(
     let by = Vec3::new(moved.x as f32, 0.0, -moved.y as f32);
     let mut anchor_roots: Vec<Entity> = anchors.iter().map(|e| parents.root_ancestor(e)).collect();
     anchor_roots.sort_unstable();
-    for (entity, mut transform, shifts, chunk) in &mut roots {
+    for (entity, mut transform, shifts, chunk, tile) in &mut roots {
         let stays = shifts == Some(&ShiftsWithOrigin::No) && anchor_roots.binary_search(&entity).is_err();
-        match chunk {
-            Some(coord) if index.entity(*coord) == Some(entity) => {
+        match (chunk, tile) {
+            (Some(coord), _) if index.entity(*coord) == Some(entity) => {
                 transform.translation = next.chunk_translation(*coord, index.size);
             }
-            None if stays => {}
+            (None, Some(tile)) => transform.translation = next.translation(tile.origin(index.size)),
+            (None, None) if stays => {}
             _ => transform.translation += by,
         }
     }

@@ -1,20 +1,20 @@
-//! How chunks are streamed.
+//! How chunks and tiles of the horizon are streamed.
 
 use bevy::prelude::*;
 
-/// How chunks are streamed.
+/// How chunks and tiles of the horizon are streamed.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamSettings {
-    /// Most chunks that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`, and one on the
+    /// Most chunks and tiles that are made at a time. 0 means three for each thread of Bevy's `AsyncComputeTaskPool`, and one on the
     /// web, where tasks run on the main thread.
     pub max_tasks: u32,
-    /// Milliseconds per frame for giving finished chunks to their entities and for removing unwanted chunks. At least one
-    /// chunk is applied in each frame, however long it takes.
+    /// Milliseconds per frame for giving finished chunks and tiles to their entities and for removing unwanted ones. At least one
+    /// is applied in each frame, however long it takes.
     pub apply_ms: f32,
-    /// Most chunks that are applied in a frame; 0 counts as 1.
+    /// Most chunks and tiles that are applied in a frame; 0 counts as 1.
     pub applies_per_frame: u32,
-    /// Most chunks that are removed in a frame; 0 counts as 1.
+    /// Most chunks and pieces of tiles that are removed in a frame; 0 counts as 1.
     pub removals_per_frame: u32,
     /// Seconds to look ahead: chunks are also loaded around the places that the anchors will reach by then, at most half a
     /// load radius away. A negative value counts as 0.

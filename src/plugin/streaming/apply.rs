@@ -1,48 +1,74 @@
-//! Giving finished chunks to their entities, and removing unwanted chunks.
+//! Giving finished chunks and tiles to their entities, and removing unwanted ones.
 //!
 //! This is an exclusive system: its work is done when it returns, so it measures the true time of the work against the budget.
 
 use super::build::FinishedChunk;
-use super::entry::ShownChunk;
+use super::entry::{ChunkEntry, ShownChunk};
+use super::horizon::{self, Horizon};
 use super::index::{ChunkIndex, Unloading};
-use crate::plugin::appearance::{PartMesh, SprawlMaterials};
+use super::parts::spawn_parts;
+use crate::mesh::HorizonTile;
 use crate::plugin::chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkReady, ChunkUnloaded};
 use crate::plugin::frame_time::FrameTime;
 use crate::plugin::stream_settings::StreamSettings;
 use crate::space::ChunkCoord;
-use bevy::camera::visibility::NoAutoAabb;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-pub(super) fn apply_chunks(world: &mut World) {
+pub(super) fn apply_finished(world: &mut World) {
     let start = Instant::now();
     let settings = world.resource::<StreamSettings>().clone();
     let is_over_budget = || start.elapsed().as_secs_f32() * 1000.0 > settings.apply_ms;
     let most = settings.applies_per_frame.max(1) as usize;
-    for (i, coord) in finished(world.resource::<ChunkIndex>(), most).into_iter().enumerate() {
+    let (index, horizon) = (world.resource::<ChunkIndex>(), world.resource::<Horizon>());
+    for (i, next) in finished(index, horizon).into_iter().take(most).enumerate() {
         if i > 0 && is_over_budget() {
             break;
         }
-        apply(world, coord);
+        match next {
+            Next::Chunk(coord) => apply(world, coord),
+            Next::Tile(tile) => horizon::apply(world, tile),
+        }
     }
     for i in 0..settings.removals_per_frame.max(1) {
-        if i > 0 && is_over_budget() {
+        if (i > 0 && is_over_budget()) || !remove(world) {
             break;
         }
-        let Some(unloading) = world.resource_mut::<ChunkIndex>().next_to_unload() else { break };
-        unload(world, unloading);
     }
+    horizon::show_and_hide(world);
     let mut time = world.resource_mut::<FrameTime>();
     time.apply = start.elapsed();
     time.total += start.elapsed();
 }
 
-/// Chunks that wait to be applied, at most `most`, in the order of their priorities.
-fn finished(index: &ChunkIndex, most: usize) -> Vec<ChunkCoord> {
-    let waiting = index.entries.iter().filter(|(_, e)| e.finished.is_some());
-    let mut waiting: Vec<_> = waiting.map(|(coord, entry)| (entry.priority, *coord)).collect();
-    waiting.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    waiting.into_iter().take(most).map(|(_, coord)| coord).collect()
+/// What can be applied next.
+enum Next {
+    Chunk(ChunkCoord),
+    Tile(HorizonTile),
+}
+
+/// What waits to be applied, in the order of priorities. A new chunk waits on until no large tile is shown in its place.
+fn finished(index: &ChunkIndex, horizon: &Horizon) -> Vec<Next> {
+    let may_come = |coord, entry: &ChunkEntry| entry.shown.is_some() || !horizon.covers(coord);
+    let chunks = index.entries.iter().filter(|(coord, e)| e.finished.is_some() && may_come(**coord, e));
+    let tiles = horizon.entries.iter().filter(|(_, e)| e.finished.is_some());
+    let mut waiting: Vec<(f64, Next)> = chunks.map(|(coord, e)| (e.priority, Next::Chunk(*coord))).collect();
+    waiting.extend(tiles.map(|(tile, e)| (e.priority, Next::Tile(*tile))));
+    waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
+    waiting.into_iter().map(|(_, next)| next).collect()
+}
+
+/// Removes a chunk, or a piece of the horizon, that is not wanted. Returns whether there was one.
+fn remove(world: &mut World) -> bool {
+    let next = world.resource_scope(|world, horizon: Mut<Horizon>| {
+        // The tile below comes first, so that the ground has no hole.
+        world.resource_mut::<ChunkIndex>().next_to_unload(|coord| !horizon.is_awaited(coord))
+    });
+    match next {
+        Some(unloading) => unload(world, unloading),
+        None => return horizon::remove(world),
+    }
+    true
 }
 
 /// Replaces what the entity of a chunk shows. Messages and events come last, when everything is in place: their observers
@@ -83,31 +109,17 @@ fn apply(world: &mut World, coord: ChunkCoord) {
             entity.insert(ChunkData(chunk));
         }
     }
+    world.resource_mut::<Horizon>().changed = true;
     let event = ChunkReady { entity: parent, coord, detail, change };
     world.write_message(event);
     world.trigger(event);
-}
-
-fn spawn_parts(world: &mut World, parent: Entity, parts: Vec<PartMesh>) -> Vec<Entity> {
-    let materials = world.get_resource::<SprawlMaterials>().cloned();
-    let mut handles = Vec::with_capacity(parts.len());
-    if let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() {
-        handles.extend(parts.into_iter().map(|p| (p.part, meshes.add(p.mesh), p.bounds)));
-    }
-    let spawned = handles.into_iter().map(|(part, mesh, bounds)| {
-        let mut child = world.spawn((part, Mesh3d(mesh), bounds, NoAutoAabb, Visibility::default(), ChildOf(parent)));
-        if let Some(materials) = &materials {
-            child.insert(MeshMaterial3d(materials[part].clone()));
-        }
-        child.id()
-    });
-    spawned.collect()
 }
 
 /// Announces a loaded chunk and despawns it. The game may have despawned it already.
 fn unload(world: &mut World, Unloading { coord, entity, chunk }: Unloading) {
     let event = ChunkUnloaded { entity, coord, data: ChunkData(chunk) };
     world.trigger(event.clone());
+    world.resource_mut::<Horizon>().changed = true;
     if let Ok(entity) = world.get_entity_mut(entity) {
         entity.despawn();
     }

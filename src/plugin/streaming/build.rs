@@ -1,14 +1,13 @@
-//! The task that makes a chunk and its meshes.
+//! The tasks that make chunks and tiles of the horizon, with their meshes.
 
 use super::generator::ChunkGenerator;
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
-use crate::mesh::Detail;
+use crate::mesh::{ChunkMesh, Detail, HorizonTile};
 use crate::plugin::appearance::{PartMesh, part_meshes};
-use crate::plugin::task::{BackgroundError, without_panic};
+use crate::plugin::stream_settings::StreamSettings;
 use crate::region::Outline;
 use crate::space::ChunkCoord;
-use bevy::platform::time::Instant;
 use std::sync::Arc;
 
 /// A finished chunk that waits to be applied.
@@ -19,39 +18,51 @@ pub(super) struct FinishedChunk {
     pub outlines: Vec<Arc<Outline>>,
     /// Meshes; none if nothing could draw them.
     pub parts: Vec<PartMesh>,
-    /// Seconds that the task took.
-    pub seconds: f64,
 }
 
-pub(super) type BuildOutcome = Result<Box<FinishedChunk>, BackgroundError>;
+/// The meshes of a finished tile, by the pieces that are shown and hidden alone: see [`pieces`].
+pub(super) type FinishedTile = Vec<(HorizonTile, Vec<PartMesh>)>;
 
-/// The order for a task: which chunk to make, and how.
-pub(super) struct BuildOrder {
+/// What tasks are made with.
+#[derive(Clone)]
+pub(super) struct Builder {
     pub generator: Arc<dyn ChunkGenerator>,
-    pub coord: ChunkCoord,
-    pub detail: Detail,
     pub with_meshes: bool,
     pub keep_meshes: bool,
     pub texture_coordinates: bool,
-    pub cancel: Cancel,
 }
 
-impl BuildOrder {
-    pub fn run(&self) -> BuildOutcome {
-        without_panic(|| self.build()).map(Box::new)
+impl Builder {
+    /// A builder that makes meshes only where something could draw them.
+    pub fn new(generator: &Arc<dyn ChunkGenerator>, settings: &StreamSettings, with_meshes: bool) -> Self {
+        let StreamSettings { keep_meshes, texture_coordinates, .. } = *settings;
+        Self { generator: generator.clone(), with_meshes, keep_meshes, texture_coordinates }
     }
 
-    fn build(&self) -> Result<FinishedChunk, LayerError> {
-        let start = Instant::now();
-        self.cancel.check()?;
-        let chunk = self.generator.chunk(self.coord, &self.cancel)?;
+    /// Makes a chunk.
+    pub fn chunk(&self, coord: ChunkCoord, detail: Detail, cancel: &Cancel) -> Result<FinishedChunk, LayerError> {
+        let chunk = self.generator.chunk(coord, cancel)?;
         let outlines = self.generator.outlines(&chunk)?;
         let mut parts = Vec::new();
         if self.with_meshes {
-            self.cancel.check()?;
-            let mesh = self.generator.mesh(&chunk, self.detail, &self.cancel)?;
-            parts = part_meshes(mesh, self.keep_meshes, self.texture_coordinates);
+            cancel.check()?;
+            parts = self.parts(self.generator.mesh(&chunk, detail, cancel)?);
         }
-        Ok(FinishedChunk { chunk, detail: self.detail, outlines, parts, seconds: start.elapsed().as_secs_f64() })
+        Ok(FinishedChunk { chunk, detail, outlines, parts })
     }
+
+    /// Makes a tile of the horizon.
+    pub fn tile(&self, tile: HorizonTile, cancel: &Cancel) -> Result<FinishedTile, LayerError> {
+        let make = |piece| Ok((piece, self.parts(self.generator.horizon(piece, cancel)?)));
+        pieces(tile).into_iter().map(make).collect()
+    }
+
+    fn parts(&self, mesh: ChunkMesh) -> Vec<PartMesh> {
+        part_meshes(mesh, self.keep_meshes, self.texture_coordinates)
+    }
+}
+
+/// The pieces of a tile. A tile of level 1 has one for each chunk that may take its place, any other tile is of one piece.
+fn pieces(tile: HorizonTile) -> Vec<HorizonTile> {
+    if tile.level == 1 { tile.children().to_vec() } else { vec![tile] }
 }

@@ -1,13 +1,12 @@
 //! What is known about a chunk that has an entity.
 
-use super::build::{BuildOutcome, FinishedChunk};
+use super::build::FinishedChunk;
+use super::job::{Job, Stopping};
 use crate::chunk::Chunk;
-use crate::layer::Cancel;
 use crate::mesh::Detail;
 use crate::plugin::chunk::ChunkStatus;
 use crate::region::Outline;
 use bevy::prelude::Entity;
-use bevy::tasks::Task;
 use std::sync::Arc;
 
 /// A chunk that has an entity.
@@ -23,7 +22,7 @@ pub(super) struct ChunkEntry {
     pub failed: bool,
     /// Whether the chunk is no longer wanted and waits to be removed.
     pub leaving: bool,
-    pub job: Option<Job>,
+    pub job: Option<Job<FinishedChunk>>,
     /// A result that waits to be applied.
     pub finished: Option<FinishedChunk>,
     /// Chunks are made in the order of this number, the lowest first.
@@ -40,12 +39,6 @@ pub(super) struct ShownChunk {
     pub chunk: Arc<Chunk>,
     /// The outlines of the chunk's settlements, in the same order.
     pub outlines: Vec<Arc<Outline>>,
-}
-
-/// A task in flight.
-pub(super) struct Job {
-    pub cancel: Cancel,
-    pub task: Task<BuildOutcome>,
 }
 
 impl ChunkEntry {
@@ -81,12 +74,9 @@ impl ChunkEntry {
         }
     }
 
-    /// Cancels the task and drops a result that has not been applied. Returns the task, if any, since it may run on for a
-    /// moment.
-    pub fn cancel(&mut self) -> Option<Task<BuildOutcome>> {
+    /// Cancels the task, if there is one, and drops a result that has not been applied.
+    pub fn cancel(&mut self) -> Option<Stopping> {
         self.finished = None;
-        let job = self.job.take()?;
-        job.cancel.cancel();
-        Some(job.task)
+        self.job.take().map(Job::stop)
     }
 }

@@ -1,8 +1,8 @@
-//! The maker of chunks: the world, or a stand-in in tests.
+//! The maker of chunks and tiles: the world, or a stand-in in tests.
 
 use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
-use crate::mesh::{ChunkMesh, Detail};
+use crate::mesh::{ChunkMesh, Detail, HorizonTile};
 use crate::region::Outline;
 use crate::space::ChunkCoord;
 use crate::world::World;
@@ -21,6 +21,9 @@ pub(in crate::plugin) trait ChunkGenerator: Send + Sync + 'static {
 
     /// Makes the meshes of a chunk.
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError>;
+
+    /// Makes the meshes of a tile of the horizon.
+    fn horizon(&self, tile: HorizonTile, cancel: &Cancel) -> Result<ChunkMesh, LayerError>;
 }
 
 impl ChunkGenerator for World {
@@ -38,5 +41,9 @@ impl ChunkGenerator for World {
 
     fn mesh(&self, chunk: &Chunk, detail: Detail, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
         World::mesh(self, chunk.coord, detail, cancel)
+    }
+
+    fn horizon(&self, tile: HorizonTile, cancel: &Cancel) -> Result<ChunkMesh, LayerError> {
+        self.horizon(tile, cancel)
     }
 }

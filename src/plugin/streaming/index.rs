@@ -64,6 +64,11 @@ impl ChunkIndex {
         self.entries.values().filter(|e| e.shown.is_some()).count()
     }
 
+    /// Whether a chunk is loaded.
+    pub(super) fn is_loaded(&self, coord: ChunkCoord) -> bool {
+        self.entries.get(&coord).is_some_and(|entry| entry.shown.is_some())
+    }
+
     /// The number of chunks that are wanted and have never been loaded.
     pub fn missing(&self) -> usize {
         self.entries.values().filter(|e| e.shown.is_none() && !e.leaving && !e.failed).count()
@@ -74,10 +79,10 @@ impl ChunkIndex {
         self.entries.values().filter(|e| e.job.is_some()).count()
     }
 
-    /// Takes out one loaded chunk that is not wanted.
-    pub(super) fn next_to_unload(&mut self) -> Option<Unloading> {
-        let leaving = self.entries.iter().find(|(_, e)| e.leaving && e.shown.is_some()).map(|(coord, _)| *coord);
-        let Some(coord) = leaving else { return self.retired.pop() };
+    /// Takes out one loaded chunk that is not wanted and `may` go.
+    pub(super) fn next_to_unload(&mut self, may: impl Fn(ChunkCoord) -> bool) -> Option<Unloading> {
+        let mut leaving = self.entries.iter().filter(|(_, e)| e.leaving && e.shown.is_some()).map(|(coord, _)| *coord);
+        let Some(coord) = leaving.find(|coord| may(*coord)) else { return self.retired.pop() };
         let ChunkEntry { entity, shown, .. } = self.entries.remove(&coord)?;
         Some(Unloading { coord, entity, chunk: shown?.chunk })
     }

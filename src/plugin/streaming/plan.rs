@@ -1,9 +1,11 @@
-//! Spawning and despawning the entities of chunks, as the anchors want.
+//! Spawning and despawning the entities of chunks, and planning tiles of the horizon, as the anchors want.
 
 use super::entry::ChunkEntry;
+use super::horizon::{self, Horizon};
 use super::index::ChunkIndex;
 use super::scheduler::Scheduler;
 use super::wanted::wanted;
+use crate::mesh::HorizonTile;
 use crate::plugin::anchor::{AnchorView, Anchors};
 use crate::plugin::chunk::{ChunkData, ChunkStatus, ChunkUnloaded};
 use crate::plugin::frame_time::{Stopwatch, measure_commands};
@@ -33,7 +35,7 @@ impl Planned {
 
     fn is_current(&self, anchors: &[AnchorView]) -> bool {
         let still = |a: &AnchorView, b: &AnchorView| {
-            (a.load, a.unload, a.detail) == (b.load, b.unload, b.detail)
+            (a.load, a.unload, a.detail, a.horizon) == (b.load, b.unload, b.detail, b.horizon)
                 && a.at.distance(b.at) < TOLERANCE
                 && a.ahead.distance(b.ahead) < TOLERANCE
         };
@@ -43,15 +45,19 @@ impl Planned {
     }
 }
 
-/// Announces loaded chunks that a game has despawned itself, and plans them anew.
+/// Announces loaded chunks that a game has despawned itself, and plans them anew. Despawned tiles of the horizon are made anew.
 pub(super) fn notice_despawned(
     mut stopwatch: Stopwatch,
     mut commands: Commands,
-    (mut index, mut scheduler, mut planned): (ResMut<ChunkIndex>, ResMut<Scheduler>, ResMut<Planned>),
-    entities: Query<(), With<ChunkCoord>>,
+    (mut index, mut horizon): (ResMut<ChunkIndex>, ResMut<Horizon>),
+    (mut scheduler, mut planned): (ResMut<Scheduler>, ResMut<Planned>),
+    (entities, tiles): (Query<(), With<ChunkCoord>>, Query<(), With<HorizonTile>>),
     mut unloaded: MessageWriter<ChunkUnloaded>,
 ) {
     let _running = stopwatch.start();
+    if horizon.forget_despawned(|entity| tiles.contains(entity)) {
+        planned.again();
+    }
     let gone = index.entries.iter().filter(|(_, entry)| !entities.contains(entry.entity));
     for coord in gone.map(|(coord, _)| *coord).collect::<Vec<_>>() {
         let Some(mut entry) = index.entries.remove(&coord) else { continue };
@@ -69,8 +75,10 @@ pub(super) fn notice_despawned(
 pub(super) fn plan_chunks(
     mut stopwatch: Stopwatch,
     mut commands: Commands,
-    (mut index, mut scheduler, mut planned): (ResMut<ChunkIndex>, ResMut<Scheduler>, ResMut<Planned>),
+    (mut index, mut horizon): (ResMut<ChunkIndex>, ResMut<Horizon>),
+    (mut scheduler, mut planned): (ResMut<Scheduler>, ResMut<Planned>),
     (anchors, origin, settings): (Res<Anchors>, Res<SprawlOrigin>, Res<StreamSettings>),
+    meshes: Option<Res<Assets<Mesh>>>,
 ) {
     let _running = stopwatch.start();
     if scheduler.generator.is_none() || (planned.is_current(&anchors) && !settings.is_changed()) {
@@ -119,4 +127,5 @@ pub(super) fn plan_chunks(
             });
         }
     });
+    scheduler.cancelled.extend(horizon::plan(&mut horizon, index, &anchors, meshes.is_some()));
 }

@@ -1,6 +1,7 @@
 //! Going over to another world.
 
 use super::generator::ChunkGenerator;
+use super::horizon::Horizon;
 use super::index::{ChunkIndex, Unloading};
 use super::plan::Planned;
 use super::scheduler::Scheduler;
@@ -22,12 +23,14 @@ pub(in crate::plugin) enum Stale {
 #[derive(SystemParam)]
 pub(in crate::plugin) struct Streaming<'w> {
     index: ResMut<'w, ChunkIndex>,
+    horizon: ResMut<'w, Horizon>,
     scheduler: ResMut<'w, Scheduler>,
     planned: ResMut<'w, Planned>,
 }
 
 impl Streaming<'_> {
-    /// Goes over to another world. A shown chunk stays until its replacement is ready.
+    /// Goes over to another world. Shown chunks and tiles stay until their replacements are ready. Tiles take little time, so all
+    /// of them are made again.
     pub fn replace<G: ChunkGenerator + Clone>(&mut self, generator: &G, stale: Stale) {
         let size = generator.chunk_size();
         let same_grid = size == self.index.size;
@@ -37,6 +40,7 @@ impl Streaming<'_> {
         for entry in self.index.entries.values_mut() {
             self.scheduler.cancelled.extend(entry.cancel());
         }
+        self.scheduler.cancelled.extend(self.horizon.replace(same_grid));
         if !same_grid {
             for (coord, entry) in std::mem::take(&mut self.index.entries) {
                 match entry.shown {

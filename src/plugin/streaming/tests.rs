@@ -4,7 +4,7 @@ use super::generator::ChunkGenerator;
 use super::*;
 use crate::chunk::{Chunk, Ground};
 use crate::layer::{Cancel, LayerError};
-use crate::mesh::{ChunkMesh, Detail, MeshBuffers};
+use crate::mesh::{ChunkMesh, Detail, HorizonTile, MeshBuffers};
 use crate::plugin::source::SprawlSource;
 use crate::plugin::{
     ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, OriginShifted,
@@ -23,11 +23,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+mod horizon;
+
 /// Makes flat chunks with a ground, no water, no roads and no buildings.
 #[derive(Clone)]
 struct Fake {
     size: i64,
     made: Arc<AtomicUsize>,
+    tiles: Arc<AtomicUsize>,
     waiting: Arc<AtomicUsize>,
     cancelled: Arc<AtomicUsize>,
     how: fn(ChunkCoord) -> How,
@@ -42,7 +45,8 @@ enum How {
 
 impl Fake {
     fn new(how: fn(ChunkCoord) -> How) -> Self {
-        Self { size: 512, made: Arc::default(), waiting: Arc::default(), cancelled: Arc::default(), how }
+        let [made, tiles, waiting, cancelled] = [(); 4].map(|()| Arc::default());
+        Self { size: 512, made, tiles, waiting, cancelled, how }
     }
 }
 
@@ -76,17 +80,26 @@ impl ChunkGenerator for Fake {
     }
 
     fn mesh(&self, chunk: &Chunk, _: Detail, _: &Cancel) -> Result<ChunkMesh, LayerError> {
-        let s = chunk.size as f32;
-        let ground = MeshBuffers {
-            positions: vec![[0.0, 0.0, 0.0], [s, 0.0, 0.0], [0.0, 0.0, -s]],
-            normals: vec![[0, 127, 0, 0]; 3],
-            colours: vec![[u16::MAX; 4]; 3],
-            indices: vec![0, 1, 2],
-        };
-        let mut mesh = ChunkMesh::default();
-        mesh[ChunkPart::Ground] = ground;
-        Ok(mesh)
+        Ok(ground(chunk.size))
     }
+
+    fn horizon(&self, tile: HorizonTile, _: &Cancel) -> Result<ChunkMesh, LayerError> {
+        self.tiles.fetch_add(1, Ordering::Relaxed);
+        Ok(ground(tile.size(self.size)))
+    }
+}
+
+/// A mesh with a ground of `size` metres.
+fn ground(size: i64) -> ChunkMesh {
+    let s = size as f32;
+    let mut mesh = ChunkMesh::default();
+    mesh[ChunkPart::Ground] = MeshBuffers {
+        positions: vec![[0.0, 0.0, 0.0], [s, 0.0, 0.0], [0.0, 0.0, -s]],
+        normals: vec![[0, 127, 0, 0]; 3],
+        colours: vec![[u16::MAX; 4]; 3],
+        indices: vec![0, 1, 2],
+    };
+    mesh
 }
 
 /// An app with the plugin's parts but the world, and an anchor.
@@ -119,7 +132,8 @@ fn replace(app: &mut App, generator: &Fake, stale: Stale) {
 }
 
 fn small() -> StreamAnchor {
-    StreamAnchor { load_radius: 600.0, unload_radius: 900.0, detail_radius: 300.0, start_on_street: false, ..default() }
+    let (load_radius, unload_radius, detail_radius) = (600.0, 900.0, 300.0);
+    StreamAnchor { load_radius, unload_radius, detail_radius, horizon: 0.0, start_on_street: false, ..default() }
 }
 
 /// Runs until everything that is wanted is there and everything else is gone.
@@ -128,8 +142,11 @@ fn settle(app: &mut App) {
         app.update();
         let stats = *app.world().resource::<SprawlStats>();
         let index = app.world().resource::<ChunkIndex>();
-        let busy = index.entries.values().any(|e| e.leaving || e.needs_work() || e.finished.is_some());
-        if stats.chunks_missing == 0 && stats.tasks_in_flight == 0 && !busy && index.retired.is_empty() {
+        let horizon = app.world().resource::<Horizon>();
+        let busy = index.entries.values().any(|e| e.leaving || e.needs_work() || e.finished.is_some())
+            || horizon.entries.values().any(|e| e.needs_work() || e.finished.is_some());
+        let removing = !index.retired.is_empty() || !horizon.leaving.is_empty();
+        if stats.chunks_missing == 0 && stats.tasks_in_flight == 0 && !busy && !removing {
             return;
         }
         std::thread::sleep(Duration::from_micros(300));

@@ -72,7 +72,7 @@ mod tests {
 
     fn anchor(x: f64, y: f64) -> AnchorView {
         let at = DVec2::new(x, y);
-        AnchorView { at, ahead: at, load: 1000.0, unload: 1400.0, detail: 400.0, moves_origin: true }
+        AnchorView { at, ahead: at, load: 1000.0, unload: 1400.0, detail: 400.0, horizon: 0.0, moves_origin: true }
     }
 
     #[test]

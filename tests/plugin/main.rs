@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+mod horizon;
+
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn app(plugin: SprawlPlugin, assets: AssetPlugin) -> App {
@@ -43,7 +45,7 @@ fn settle(app: &mut App) {
     let mut quiet = 0;
     run_until(app, "everything is there", |app| {
         let stats = app.world().resource::<SprawlStats>();
-        let busy = stats.chunks_loaded == 0 || stats.chunks_missing > 0 || stats.tasks_in_flight > 0;
+        let busy = stats.chunks_loaded == 0 || stats.chunks_missing + stats.tiles_missing + stats.tasks_in_flight > 0;
         quiet = if busy { 0 } else { quiet + 1 };
         quiet > 20
     });
