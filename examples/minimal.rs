@@ -14,7 +14,8 @@ fn main() -> AppExit {
 }
 
 fn setup(mut commands: Commands) {
-    commands.spawn((Camera3d::default(), Tonemapping::ReinhardLuminance, StreamAnchor::default()));
+    let far = Projection::from(PerspectiveProjection { far: 20_000.0, ..default() });
+    commands.spawn((Camera3d::default(), far, Tonemapping::ReinhardLuminance, StreamAnchor::default()));
     commands.spawn((DirectionalLight::default(), Transform::default().looking_to(Vec3::new(1.0, -1.0, -0.5), Vec3::Y)));
 }
 

@@ -11,6 +11,7 @@ Walk through an endless world of towns.
   --headless          no window: walk through a town by itself, and leave a map, screenshots and a report
   --seconds S         length of that walk in seconds [40]
   --speed M           its speed in metres per second [fits the town]
+  --horizon M         how far the land is seen, in metres; 0 shows nothing beyond the chunks [12000]
   --laps N            how often to walk the same way, to and fro [1]
   --screenshots DIR   where screenshots and the map go [target/walk]
   --report FILE       where the report goes [target/walk/report.json]
@@ -25,6 +26,7 @@ pub struct Args {
     pub headless: bool,
     pub seconds: f64,
     pub speed: Option<f64>,
+    pub horizon: f32,
     pub laps: u32,
     pub screenshots: PathBuf,
     pub report: PathBuf,
@@ -38,6 +40,7 @@ impl Default for Args {
             headless: false,
             seconds: 40.0,
             speed: None,
+            horizon: 12_000.0,
             laps: 1,
             screenshots: "target/walk".into(),
             report: "target/walk/report.json".into(),
@@ -60,7 +63,7 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, Str
                 out.headless = true;
                 continue;
             }
-            "--seed" | "--at" | "--seconds" | "--speed" | "--laps" | "--screenshots" | "--report" => {}
+            "--seed" | "--at" | "--seconds" | "--speed" | "--horizon" | "--laps" | "--screenshots" | "--report" => {}
             _ => return Err(format!("unknown argument `{name}`; --help lists them")),
         }
         let value = given.or_else(|| args.next()).ok_or_else(|| format!("{name} needs a value"))?;
@@ -70,6 +73,7 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Option<Args>, Str
             "--at" => out.at = point(&value).ok_or_else(|| wrong("two numbers X,Y, up to 1000000000000 each"))?,
             "--seconds" => out.seconds = within(&value, 1.0, 86_400.0).ok_or_else(|| wrong("1 to 86400"))?,
             "--speed" => out.speed = Some(within(&value, 0.5, 500.0).ok_or_else(|| wrong("0.5 to 500"))?),
+            "--horizon" => out.horizon = within(&value, 0.0, 50_000.0).ok_or_else(|| wrong("0 to 50000"))? as f32,
             "--laps" => {
                 out.laps = value.parse().ok().filter(|n| (1..=1000).contains(n)).ok_or_else(|| wrong("1 to 1000"))?
             }

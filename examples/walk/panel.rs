@@ -72,6 +72,7 @@ pub fn show(
             row("frame", format!("{:.1} ms", time.delta_secs() * 1000.0));
             row("plugin", format!("{:.2} ms", stats.main_thread_ms));
             row("chunks", format!("{} loaded, {} missing", stats.chunks_loaded, stats.chunks_missing));
+            row("horizon", format!("{} tiles, {} missing", stats.tiles_loaded, stats.tiles_missing));
             row("made", format!("{} ({:.1} ms each)", stats.chunks_made, stats.chunk_ms));
             row("tasks", stats.tasks_in_flight.to_string());
         });

@@ -95,6 +95,9 @@ impl Measures {
             chunks_failed: stats.chunks_failed,
             chunks_per_s: made as f64 / self.busy.as_secs_f64().max(1e-3),
             chunk_ms: f64::from(stats.chunk_ms),
+            tiles: stats.tiles_loaded,
+            tiles_made: stats.tiles_made,
+            tile_ms: f64::from(stats.tile_ms),
             holes: self.holes,
             first_chunk_ms: self.first_chunk.map_or(-1.0, |d| d.as_secs_f64() * 1000.0),
             rss_start_mb: self.rss_start,
@@ -118,6 +121,11 @@ pub struct Report {
     pub chunks_per_s: f64,
     /// Mean time of a task in milliseconds.
     pub chunk_ms: f64,
+    /// Tiles of the horizon at the end.
+    pub tiles: usize,
+    pub tiles_made: u64,
+    /// Mean time of a task that makes a tile, in milliseconds.
+    pub tile_ms: f64,
     /// Frames in which the ground under the walker was missing.
     pub holes: u64,
     /// Milliseconds from making the world to the first ground under the walker; -1 if there never was any.
@@ -141,6 +149,9 @@ impl Report {
             ("chunks_failed", self.chunks_failed as f64),
             ("chunks_per_s", self.chunks_per_s),
             ("chunk_ms", self.chunk_ms),
+            ("tiles", self.tiles as f64),
+            ("tiles_made", self.tiles_made as f64),
+            ("tile_ms", self.tile_ms),
             ("holes", self.holes as f64),
             ("first_chunk_ms", self.first_chunk_ms),
             ("rss_start_mb", self.rss_start_mb),
@@ -164,6 +175,7 @@ impl Report {
             "Walked {:.0} m through {place}, {way}, at {:.0} m/s: {} frames, {} of them without ground underfoot.\n  \
              frame        {:.2} ms median, {:.2} ms p99 (the plugin {:.2} ms p99)\n  \
              chunks       {} made, {:.1} ms each, {:.0} per second; the first after {:.0} ms\n  \
+             horizon      {} tiles, {} made, {:.1} ms each\n  \
              memory       {:.0} MB at the start, {:.0} MB at the end",
             self.distance_m,
             tour.pace,
@@ -176,6 +188,9 @@ impl Report {
             self.chunk_ms,
             self.chunks_per_s,
             self.first_chunk_ms,
+            self.tiles,
+            self.tiles_made,
+            self.tile_ms,
             self.rss_start_mb,
             self.rss_end_mb,
         )

@@ -16,20 +16,27 @@ const HAZE: Color = Color::srgb(0.80, 0.87, 0.93);
 /// Colour of the sky overhead.
 const ZENITH: Color = Color::srgb(0.30, 0.52, 0.82);
 
-/// Distances in metres: haze begins at the first, and hides everything beyond the second, which is about the load radius.
-const SIGHT: (f32, f32) = (250.0, 1_300.0);
+/// Haze hides everything beyond the horizon; without a horizon, beyond this distance in metres, which is about the load radius.
+const LEAST_SIGHT: f32 = 1_300.0;
+
+/// Density of the haze times the distance that it hides: one part in a hundred is left there.
+const HIDDEN: f32 = 2.15;
+
+/// Radius of the dome of the sky, in metres. It is larger than any horizon, with the tiles that reach beyond it.
+const DOME: f32 = 90_000.0;
 
 /// The direction of sunlight.
 const SUN: Vec3 = Vec3::new(0.55, -0.75, -0.45);
 
-/// A camera for a clear day.
-pub fn camera() -> impl Bundle {
+/// A camera for a clear day, which sees `horizon` metres far.
+pub fn camera(horizon: f32) -> impl Bundle {
+    let density = HIDDEN / horizon.max(LEAST_SIGHT);
     (
         Camera3d::default(),
-        Projection::from(PerspectiveProjection { near: 0.1, far: 6_000.0, fov: 1.0, ..default() }),
+        Projection::from(PerspectiveProjection { near: 0.1, far: DOME, fov: 1.0, ..default() }),
         Tonemapping::None,
         Exposure { ev100: 13.8 },
-        DistanceFog { color: HAZE, falloff: FogFalloff::Linear { start: SIGHT.0, end: SIGHT.1 }, ..default() },
+        DistanceFog { color: HAZE, falloff: FogFalloff::ExponentialSquared { density }, ..default() },
     )
 }
 
@@ -70,7 +77,7 @@ pub fn light(
     let material = StandardMaterial { unlit: true, fog_enabled: false, cull_mode: None, ..default() };
     commands.spawn((
         Sky,
-        Mesh3d(meshes.add(dome(5_000.0))),
+        Mesh3d(meshes.add(dome(DOME))),
         MeshMaterial3d(materials.add(material)),
         (NotShadowCaster, NotShadowReceiver, NoFrustumCulling),
     ));

@@ -2,7 +2,7 @@
 
 use crate::args::Args;
 use crate::headless::Phase;
-use crate::tour::{Tour, Tourist};
+use crate::tour::{Tour, Tourist, is_loading};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
@@ -15,8 +15,8 @@ use std::time::Instant;
 const SIZE: (u32, u32) = (1280, 720);
 
 /// When screenshots are taken, as shares of the walk, and their names.
-const MOMENTS: [(f64, &str); 5] =
-    [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.75, "street")];
+const MOMENTS: [(f64, &str); 6] =
+    [(0.03, "country"), (0.25, "outskirts"), (0.5, "centre"), (0.5, "above"), (0.5, "horizon"), (0.75, "street")];
 
 /// What draws the frames.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +82,15 @@ pub fn setup(
     shots.target = Some(image);
 }
 
+/// For the views from above: how far the camera goes back and up, and how much lower it looks there, in metres.
+fn lifted(name: &str) -> Option<(f32, f32, f32)> {
+    match name {
+        "above" => Some((420.0, 260.0, 260.0)),
+        "horizon" => Some((420.0, 160.0, 40.0)),
+        _ => None,
+    }
+}
+
 /// Stands still at the chosen moments and draws one frame. Pipelines are compiled before the frame, so that it shows
 /// everything.
 pub fn shoot(
@@ -98,11 +107,11 @@ pub fn shoot(
     if *phase == Phase::Walk && tour.share() >= share {
         *phase = Phase::Shoot;
         shots.since = Some(Instant::now());
-        if name == "above" {
+        if let Some((back, up, down)) = lifted(name) {
             shots.stood = Some(*transform);
-            let back = transform.forward() * -420.0;
-            let eye = transform.translation + Vec3::new(back.x, 260.0, back.z);
-            *transform = Transform::from_translation(eye).looking_at(transform.translation, Vec3::Y);
+            let (back, stood) = (transform.forward() * -back, transform.translation);
+            let eye = stood + Vec3::new(back.x, up, back.z);
+            *transform = Transform::from_translation(eye).looking_at(stood + Vec3::Y * (up - down), Vec3::Y);
         }
     }
     if *phase != Phase::Shoot || shots.waiting {
@@ -111,7 +120,7 @@ pub fn shoot(
         return;
     }
     let patient = shots.since.is_some_and(|s| s.elapsed().as_secs() < 15);
-    if (stats.chunks_missing > 0 || stats.tasks_in_flight > 0) && patient {
+    if is_loading(&stats) && patient {
         return;
     }
     camera.is_active = true;

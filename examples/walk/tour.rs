@@ -29,6 +29,7 @@ pub struct Tour {
     seconds: f64,
     speed: Option<f64>,
     laps: f64,
+    horizon: f32,
     /// The town that is walked through.
     pub town: Option<Arc<Settlement>>,
     /// The way, in plan metres.
@@ -56,6 +57,7 @@ impl Tour {
             seconds: args.seconds,
             speed: args.speed,
             laps: f64::from(args.laps),
+            horizon: args.horizon,
             town: None,
             way: vec![args.at],
             on_streets: false,
@@ -104,7 +106,7 @@ impl Tour {
 
 /// Puts the walker in open country outside the nearest town.
 pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
-    let anchor = StreamAnchor { start_on_street: false, ..default() };
+    let anchor = StreamAnchor { start_on_street: false, horizon: tour.horizon, ..default() };
     let mut start = tour.at;
     // This waits for the answer, which a game should not do. Here there is no window that could freeze.
     if let Ok(town) = block_on(sprawl.nearest_town(sprawl.to_bevy(tour.at, 0.0))) {
@@ -122,7 +124,7 @@ pub fn spawn(mut commands: Commands, mut tour: ResMut<Tour>, sprawl: Sprawl) {
     tour.way = vec![start, start + DVec2::new(0.0, tour.lap())];
     tour.since = Instant::now();
     let at = sprawl.on_ground(start).unwrap_or_default();
-    commands.spawn((Tourist, anchor, scene::camera(), Transform::from_translation(at + Vec3::Y * EYES)));
+    commands.spawn((Tourist, anchor, scene::camera(tour.horizon), Transform::from_translation(at + Vec3::Y * EYES)));
 }
 
 pub fn arrive(mut phase: ResMut<Phase>, mut tour: ResMut<Tour>, mut measures: ResMut<Measures>, sprawl: Sprawl) {
@@ -181,10 +183,15 @@ pub fn wait(
     }
     stand(&tour, &sprawl, &mut tourist);
     let waited = tour.since.elapsed().as_secs_f64();
-    if (waited > 0.5 && stats.chunks_missing == 0 && stats.tasks_in_flight == 0) || waited > PATIENCE {
+    if (waited > 0.5 && !is_loading(&stats)) || waited > PATIENCE {
         measures.start_walk(&stats);
         *phase = Phase::Walk;
     }
+}
+
+/// Whether anything around the walker is still to come.
+pub fn is_loading(stats: &SprawlStats) -> bool {
+    stats.chunks_missing > 0 || stats.tiles_missing > 0 || stats.tasks_in_flight > 0
 }
 
 /// Takes a step.

@@ -23,6 +23,10 @@ pub struct Walker {
     started: bool,
 }
 
+/// How far the land is seen, in metres.
+#[derive(Resource)]
+struct Horizon(f32);
+
 /// Opens the window and runs until it is closed.
 pub fn window(args: Args, draws: Draws) -> AppExit {
     let mut window = Window { title: "bevy_sprawl".into(), ..default() };
@@ -36,6 +40,7 @@ pub fn window(args: Args, draws: Draws) -> AppExit {
         .add_plugins(SprawlPlugin::new(args.seed).starting_at(args.at))
         .insert_resource(panel::Begin(args.at))
         .insert_resource(draws)
+        .insert_resource(Horizon(args.horizon))
         .add_observer(panel::begun)
         .add_systems(Startup, (scene::light, spawn, panel::setup))
         .add_systems(Update, (panel::begin, grab_mouse, look, walk, scene::keep_sky).chain())
@@ -43,9 +48,9 @@ pub fn window(args: Args, draws: Draws) -> AppExit {
         .run()
 }
 
-fn spawn(mut commands: Commands, draws: Res<Draws>) {
-    let anchor = StreamAnchor { start_on_street: false, ..default() };
-    commands.spawn((Walker::default(), anchor, scene::camera(), draws.msaa(), Transform::default()));
+fn spawn(mut commands: Commands, draws: Res<Draws>, horizon: Res<Horizon>) {
+    let anchor = StreamAnchor { start_on_street: false, horizon: horizon.0, ..default() };
+    commands.spawn((Walker::default(), anchor, scene::camera(horizon.0), draws.msaa(), Transform::default()));
 }
 
 impl Walker {
