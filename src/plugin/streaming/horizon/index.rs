@@ -1,7 +1,7 @@
 //! The tiles that are wanted or made.
 
 use super::entry::{Piece, TileEntry};
-use super::view::View;
+use super::view::{View, places};
 use crate::mesh::HorizonTile;
 use crate::plugin::streaming::job::Stopping;
 use crate::space::ChunkCoord;
@@ -77,10 +77,4 @@ impl Horizon {
         }
         stopping
     }
-}
-
-/// The tiles in which a chunk lies, from level 0.
-pub(super) fn places(chunk: ChunkCoord) -> impl Iterator<Item = HorizonTile> {
-    let next = |tile: &HorizonTile| (tile.level < HorizonTile::LEVELS).then(|| tile.parent());
-    std::iter::successors(Some(HorizonTile::of_chunk(chunk)), next)
 }

@@ -1,6 +1,5 @@
 //! How the anchors see the land: which tiles are wanted.
 
-use super::index::places;
 use crate::mesh::HorizonTile;
 use crate::plugin::anchor::AnchorView;
 use crate::space::{Bounds, ChunkCoord};
@@ -72,6 +71,12 @@ impl Look<'_> {
             out.insert(tile, View::Whole);
         }
     }
+}
+
+/// The tiles in which a chunk lies, from level 0.
+pub(super) fn places(chunk: ChunkCoord) -> impl Iterator<Item = HorizonTile> {
+    let next = |tile: &HorizonTile| (tile.level < HorizonTile::LEVELS).then(|| tile.parent());
+    std::iter::successors(Some(HorizonTile::of_chunk(chunk)), next)
 }
 
 /// Tiles are made in the order of this number, the lowest first. It is small beside the distances by which chunks are made, since a
