@@ -138,7 +138,8 @@ fn small() -> StreamAnchor {
 
 /// Runs until everything that is wanted is there and everything else is gone.
 fn settle(app: &mut App) {
-    for _ in 0..2000 {
+    // Other tests may keep the threads of the pool busy for a while.
+    for _ in 0..60_000 {
         app.update();
         let stats = *app.world().resource::<SprawlStats>();
         let index = app.world().resource::<ChunkIndex>();
