@@ -100,6 +100,15 @@ pub(super) struct AnchorView {
     pub moves_origin: bool,
 }
 
+#[cfg(test)]
+impl AnchorView {
+    /// An anchor that stands still and sees no horizon.
+    pub fn standing(x: f64, y: f64) -> Self {
+        let at = DVec2::new(x, y);
+        Self { at, ahead: at, load: 1000.0, unload: 1400.0, detail: 400.0, horizon: 0.0, moves_origin: true }
+    }
+}
+
 /// All anchors of this frame.
 #[derive(Resource, Default, Deref, DerefMut)]
 pub(super) struct Anchors(Vec<AnchorView>);

@@ -105,8 +105,8 @@ impl Ground {
         self.covered.grown(1.0).contains(self.in_map(p))
     }
 
-    /// Whether a junction of this frame is one of the map as well: a map that says what it covers may leave out some of its streets
-    /// beyond.
+    /// Whether the map has all streets at a point of this frame. A map that says what it covers may leave some out beyond its box;
+    /// any other map is taken at its word.
     pub fn has_all_streets_at(&self, p: DVec2) -> bool {
         !self.is_stated || self.covers(p)
     }

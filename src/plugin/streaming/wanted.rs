@@ -70,29 +70,27 @@ fn distance(square: Bounds, a: DVec2, b: DVec2) -> f64 {
 mod tests {
     use super::*;
 
-    fn anchor(x: f64, y: f64) -> AnchorView {
-        let at = DVec2::new(x, y);
-        AnchorView { at, ahead: at, load: 1000.0, unload: 1400.0, detail: 400.0, horizon: 0.0, moves_origin: true }
-    }
-
     #[test]
     fn chunks_are_kept_longer_than_they_are_asked_for() {
-        let fresh = wanted(&[anchor(100.0, 100.0)], 512, |_| None);
+        let fresh = wanted(&[AnchorView::standing(100.0, 100.0)], 512, |_| None);
         assert!(fresh.contains_key(&ChunkCoord::new(-2, 0)) && !fresh.contains_key(&ChunkCoord::new(-3, 0)));
         let moved = |held: bool| {
-            wanted(&[anchor(800.0, 100.0)], 512, |c| (held && fresh.contains_key(&c)).then_some(Detail::Reduced))
+            wanted(&[AnchorView::standing(800.0, 100.0)], 512, |c| {
+                (held && fresh.contains_key(&c)).then_some(Detail::Reduced)
+            })
         };
         assert!(!moved(false).contains_key(&ChunkCoord::new(-2, 0)));
         assert!(moved(true).contains_key(&ChunkCoord::new(-2, 0)));
         assert!(
-            !wanted(&[anchor(1200.0, 100.0)], 512, |_| Some(Detail::Reduced)).contains_key(&ChunkCoord::new(-2, 0))
+            !wanted(&[AnchorView::standing(1200.0, 100.0)], 512, |_| Some(Detail::Reduced))
+                .contains_key(&ChunkCoord::new(-2, 0))
         );
     }
 
     #[test]
     fn detail_does_not_flicker_at_its_radius() {
         let far = ChunkCoord::new(1, 0);
-        let detail = |x: f64, held| wanted(&[anchor(x, 256.0)], 512, |_| held)[&far].detail;
+        let detail = |x: f64, held| wanted(&[AnchorView::standing(x, 256.0)], 512, |_| held)[&far].detail;
         assert_eq!(detail(40.0, None), Detail::Reduced);
         assert_eq!(detail(150.0, Some(Detail::Reduced)), Detail::Full);
         assert_eq!(detail(40.0, Some(Detail::Full)), Detail::Full);
@@ -101,7 +99,7 @@ mod tests {
 
     #[test]
     fn the_ground_underfoot_comes_first_and_what_is_ahead_before_what_is_behind() {
-        let mut moving = anchor(256.0, 256.0);
+        let mut moving = AnchorView::standing(256.0, 256.0);
         moving.ahead = DVec2::new(656.0, 256.0);
         let wants = wanted(&[moving], 512, |_| None);
         let priority = |x, y| wants[&ChunkCoord::new(x, y)].priority;
@@ -113,8 +111,8 @@ mod tests {
 
     #[test]
     fn several_anchors_share_chunks_and_the_finest_detail_wins() {
-        let both = wanted(&[anchor(256.0, 256.0), anchor(1256.0, 256.0)], 512, |_| None);
-        let alone = wanted(&[anchor(256.0, 256.0)], 512, |_| None);
+        let both = wanted(&[AnchorView::standing(256.0, 256.0), AnchorView::standing(1256.0, 256.0)], 512, |_| None);
+        let alone = wanted(&[AnchorView::standing(256.0, 256.0)], 512, |_| None);
         assert!(both.len() > alone.len());
         assert_eq!(alone[&ChunkCoord::new(2, 0)].detail, Detail::Reduced);
         assert_eq!(both[&ChunkCoord::new(2, 0)].detail, Detail::Full);

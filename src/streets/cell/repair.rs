@@ -29,10 +29,10 @@ const STUB: f64 = 30.0;
 /// Distance that these keep from other streets if the style lets them, in metres.
 const CUL_DE_SAC_GAP: f64 = 22.0;
 
-/// Steps by which a street turns to both sides where a dead end goes on.
-const FAN: [i8; 17] = [-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8];
+/// Number of angles to either side that are tried where a dead end goes on, and the angle between two of them in radians.
+const FAN: (i32, f64) = (8, 0.17);
 
-/// Angles in radians by which a street with a bend turns there.
+/// Angles in radians by which a street that goes on with a bend turns at the bend.
 const BENDS: [f64; 4] = [1.57, -1.57, 1.1, -1.1];
 
 /// A dead end.
@@ -108,7 +108,8 @@ fn connect(draft: &mut Draft<'_>, v: VertexIx) -> bool {
     let reach = end.reach(draft);
     draft.gather(end.at, reach + limits.gap + 30.0);
     let fan = |_: &Draft<'_>, from: DVec2| {
-        if from == end.at { FAN.map(|step| 0.17 * f64::from(step)).to_vec() } else { BENDS.to_vec() }
+        let straight = || (-FAN.0..=FAN.0).map(|step| f64::from(step) * FAN.1).collect();
+        if from == end.at { straight() } else { BENDS.to_vec() }
     };
     // A style may allow no angle but a right one.
     let square = |draft: &Draft<'_>, from: DVec2| square_ways(draft, end.v, from, end.onward, reach);

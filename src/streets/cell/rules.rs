@@ -152,8 +152,8 @@ pub struct CellRules {
     pub stump: f64,
     /// Greatest distance of a street that is straightened from straight; 0 where streets may wind.
     pub dogleg: f64,
-    /// Area in square metres from which repair divides a block. Where the style asks for crossings it is as at junctions of three or
-    /// four streets: what divides a block meets others in T junctions, which such a style does not ask for.
+    /// Area in square metres from which repair divides a block. A style that asks for crossings has the area of one that asks for
+    /// three or four streets at a junction: a street across a block ends in T junctions, which the style does not want.
     pub large_block: f64,
 }
 

@@ -88,11 +88,9 @@ pub(super) fn priority(tile: HorizonTile, anchors: &[AnchorView], size: i64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     fn anchor(x: f64, y: f64) -> AnchorView {
-        let at = DVec2::new(x, y);
-        AnchorView { at, ahead: at, load: 1000.0, unload: 1400.0, detail: 400.0, horizon: 9_000.0, moves_origin: true }
+        AnchorView { horizon: 9_000.0, ..AnchorView::standing(x, y) }
     }
 
     #[test]
