@@ -22,5 +22,5 @@ mod windows;
 pub use buffers::MeshBuffers;
 pub use build::build;
 pub use detail::Detail;
-pub use horizon::{HorizonTile, HorizonTown, horizon, horizon_tiles};
+pub use horizon::{HorizonFeatures, HorizonTile, HorizonTown, horizon, horizon_tiles};
 pub use part::{ChunkMesh, ChunkPart, PartMaterial};

@@ -9,7 +9,7 @@ use super::source::WorldSource;
 use crate::chunk::{self, Chunk};
 use crate::edits::{Edits, RejectedEdit};
 use crate::layer::{Cancel, LayerCache, LayerError, Reach};
-use crate::mesh::{self, ChunkMesh, Detail, HorizonTile, HorizonTown};
+use crate::mesh::{self, ChunkMesh, Detail, HorizonFeatures, HorizonTile, HorizonTown};
 use crate::network::{Junction, JunctionId, Street, StreetId};
 use crate::region::{Roads, Settlement, Settlements};
 use crate::space::{Bounds, ChunkCoord, Origin, Seed, closest_on_line};
@@ -193,8 +193,11 @@ impl World {
             let parcels = &self.assets().styles.get(&settlement.style)?.parcels;
             Some(HorizonTown { settlement, outline, parcels })
         });
-        let towns: Vec<HorizonTown<'_>> = towns.collect();
-        mesh::horizon(tile, chunk_size, &**self.terrain(), &towns, cancel)
+        let mut features = HorizonFeatures { towns: towns.collect(), roads: Vec::new() };
+        if tile.level <= HorizonTile::ROADS {
+            features.roads = self.roads().overlapping(tile.bounds(chunk_size), cancel)?;
+        }
+        mesh::horizon(tile, chunk_size, &**self.terrain(), &features, cancel)
     }
 
     /// Everything that overlaps a box (plan metres). Streets are whole and have the junctions at both ends.

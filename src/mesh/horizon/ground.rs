@@ -4,7 +4,7 @@ use super::massing::HorizonTown;
 use super::tile::HorizonTile;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::ground::{WATER, WATER_ALPHA, colour};
-use crate::terrain::{Terrain, TerrainSample};
+use crate::terrain::{Scan, Terrain, TerrainSample};
 use glam::{DVec2, DVec3, IVec2};
 
 /// Depth to which skirts hang, in edges of a square of ground, and more in metres.
@@ -16,11 +16,31 @@ const TOWN: Rgb = [0.170, 0.175, 0.120];
 /// How much of the ground of a town has that colour.
 const TOWN_SHARE: f32 = 0.6;
 
+/// Height above the water, in metres, above which no water is looked for between vertices.
+const DRY: f64 = 10.0;
+
+/// Points along each side of the square around a vertex at which water is looked for.
+const PROBES: i32 = 4;
+
+/// Colour of water too narrow to be drawn, as it looks over its bed.
+const STREAM: Rgb = [0.038, 0.101, 0.138];
+
+/// The land around a vertex.
+#[derive(Clone, Copy)]
+struct Vertex {
+    sample: TerrainSample,
+    /// Share of the square around the vertex that lies under water, if the vertex itself is dry.
+    stream: f32,
+}
+
 /// The terrain at the vertices of a tile and one beyond.
+///
+/// A vertex stands for the square around it. It is under water if most of the square is. Elsewhere water only colours the ground:
+/// a river much narrower than the squares would come and go between them.
 pub(super) struct Land {
     tile: HorizonTile,
     chunk_size: i64,
-    samples: Vec<TerrainSample>,
+    vertices: Vec<Vertex>,
 }
 
 /// Vertices along an edge of a tile, one more on either side.
@@ -28,23 +48,84 @@ fn row_length(tile: HorizonTile) -> usize {
     tile.cells() + 3
 }
 
+/// The vertex at a plan point, for squares of edge `step` metres.
+fn vertex(scan: &mut Scan<'_>, plan: DVec2, step: f64) -> Vertex {
+    let sample = scan(plan);
+    if sample.height - sample.water_level > DRY {
+        return Vertex { sample, stream: 0.0 };
+    }
+    let mut sums = [(0u32, TerrainSample { height: 0.0, water_level: 0.0, vegetation: 0.0 }); 2];
+    for (row, column) in (0..PROBES).flat_map(|row| (0..PROBES).map(move |column| (row, column))) {
+        let by = DVec2::new(f64::from(column), f64::from(row)) - f64::from(PROBES - 1) / 2.0;
+        let probe = scan(plan + by * (step / f64::from(PROBES)));
+        let (count, sum) = &mut sums[usize::from(probe.depth() > 0.0)];
+        *count += 1;
+        sum.height += probe.height;
+        sum.water_level += probe.water_level;
+        sum.vegetation += probe.vegetation;
+    }
+    let wet = sums[1].0 as f32 / (PROBES * PROBES) as f32;
+    let (count, sum) = sums[usize::from(wet > 0.5)];
+    let mean = |sum: f64| sum / f64::from(count);
+    let sample = TerrainSample {
+        height: mean(sum.height),
+        water_level: mean(sum.water_level),
+        vegetation: mean(sum.vegetation),
+    };
+    Vertex { sample, stream: if wet > 0.5 { 0.0 } else { wet } }
+}
+
 impl Land {
     pub fn new(tile: HorizonTile, chunk_size: i64, terrain: &dyn Terrain) -> Self {
-        let row = row_length(tile);
-        let sample = |i: usize| {
+        let (row, step) = (row_length(tile), tile.step(chunk_size));
+        let mut scan = terrain.scan();
+        let vertex = |i: usize| {
             let at = IVec2::new((i % row) as i32 - 1, (i / row) as i32 - 1);
-            terrain.sample(tile.vertex(chunk_size, at))
+            vertex(&mut scan, tile.vertex(chunk_size, at), step)
         };
-        Self { tile, chunk_size, samples: (0..row * row).map(sample).collect() }
+        Self { tile, chunk_size, vertices: (0..row * row).map(vertex).collect() }
+    }
+
+    /// The vertex at a column and row, from -1.
+    fn vertex(&self, column: i32, row: i32) -> &Vertex {
+        &self.vertices[(row + 1) as usize * row_length(self.tile) + (column + 1) as usize]
     }
 
     /// The sample at a column and row, from -1.
     fn at(&self, column: i32, row: i32) -> &TerrainSample {
-        &self.samples[(row + 1) as usize * row_length(self.tile) + (column + 1) as usize]
+        &self.vertex(column, row).sample
     }
 
-    fn step(&self) -> f64 {
+    /// Edge of a square of ground, in metres.
+    pub fn step(&self) -> f64 {
         self.tile.step(self.chunk_size)
+    }
+
+    /// Edge of the tile, in metres.
+    pub fn size(&self) -> f64 {
+        self.tile.size(self.chunk_size) as f64
+    }
+
+    /// South-west corner of the tile, in plan metres.
+    pub fn corner(&self) -> DVec2 {
+        self.tile.origin(self.chunk_size).plan()
+    }
+
+    /// The ground and the water as they are drawn at a point, in metres from the corner. A point outside counts as the nearest
+    /// one inside. The vegetation is of the square's south-west corner.
+    pub fn surface(&self, local: DVec2) -> TerrainSample {
+        let at = (local / self.step()).clamp(DVec2::ZERO, DVec2::splat(self.tile.cells() as f64));
+        let square = at.floor().min(DVec2::splat(self.tile.cells() as f64 - 1.0));
+        let (t, corner) = (at - square, square.as_ivec2());
+        let [sw, se, nw, ne] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.at(corner.x + c, corner.y + r));
+        let of = |value: fn(&TerrainSample) -> f64| {
+            let [sw, se, nw, ne] = [sw, se, nw, ne].map(value);
+            match t.x > t.y {
+                true => sw + (se - sw) * t.x + (ne - se) * t.y,
+                false => sw + (ne - nw) * t.x + (nw - sw) * t.y,
+            }
+        };
+        TerrainSample { height: of(|s| s.height), water_level: of(|s| s.water_level), vegetation: sw.vegetation }
     }
 
     fn gradient(&self, column: i32, row: i32) -> DVec2 {
@@ -58,9 +139,9 @@ impl Land {
         let mut out = MeshBuffers::default();
         let (n, step) = (self.tile.cells() as i32, self.step());
         for (row, column) in (0..=n).flat_map(|row| (0..=n).map(move |column| (row, column))) {
-            let (sample, gradient) = (self.at(column, row), self.gradient(column, row));
+            let (Vertex { sample, stream }, gradient) = (self.vertex(column, row), self.gradient(column, row));
             let plan = self.tile.vertex(self.chunk_size, IVec2::new(column, row));
-            let wild = colour(sample, gradient);
+            let wild = blend(colour(sample, gradient), STREAM, *stream);
             let in_town = sample.depth() <= 0.0 && towns.iter().any(|town| town.contains(plan));
             let colour = if in_town { blend(wild, TOWN, TOWN_SHARE) } else { wild };
             let at = DVec3::new(f64::from(column) * step, f64::from(row) * step, sample.height);

@@ -18,7 +18,7 @@ pub struct HorizonTile {
 }
 
 /// Distance, in edges of a tile, within which the tile is seen in the detail of smaller tiles.
-const SPLIT: f64 = 0.75;
+const SPLIT: f64 = 0.65;
 
 /// Number of squares of ground along the edge of a tile of level 1 or more.
 pub(super) const CELLS: usize = 32;
@@ -26,6 +26,9 @@ pub(super) const CELLS: usize = 32;
 impl HorizonTile {
     /// Number of levels.
     pub const LEVELS: u8 = 5;
+
+    /// Greatest level of tiles that show roads. On larger ones, which are farther away, a road is narrower than a pixel.
+    pub const ROADS: u8 = 3;
 
     /// The tile of level 0 in the place of a chunk.
     pub fn of_chunk(chunk: ChunkCoord) -> Self {
