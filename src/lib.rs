@@ -46,6 +46,7 @@ pub mod surface;
 pub mod terrain;
 #[cfg(test)]
 mod testing;
+pub mod texture;
 pub mod town;
 pub mod world;
 
@@ -53,11 +54,12 @@ pub mod world;
 pub mod prelude {
     #[cfg(feature = "bevy")]
     pub use crate::plugin::{
-        AssetMended, AssetOrigin, AssetRejected, ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkPart,
-        ChunkReady, ChunkStatus, ChunkUnloaded, EditRejected, NoAnswer, OriginSettings, OriginShifted, RejectedEdits,
-        ShiftsWithOrigin, SpawnPoint, Sprawl, SprawlGizmos, SprawlMaterials, SprawlOrigin, SprawlPlugin, SprawlSource,
-        SprawlStats, SprawlSystems, SprawlTask, SprawlWorld, StartOnStreet, StreamAnchor, StreamSettings,
-        TerrainSource, WorldChanged, WorldMended, WorldRejected,
+        AssetMended, AssetOrigin, AssetRejected, ChunkChange, ChunkCollision, ChunkData, ChunkDetail, ChunkFailed,
+        ChunkPart, ChunkReady, ChunkStatus, ChunkUnloaded, EditRejected, NoAnswer, OriginSettings, OriginShifted,
+        RejectedEdits, ShiftsWithOrigin, SpawnPoint, Sprawl, SprawlGizmos, SprawlMaterial, SprawlMaterials,
+        SprawlOrigin, SprawlPlugin, SprawlSource, SprawlStats, SprawlSystems, SprawlTask, SprawlTextures, SprawlWorld,
+        StartOnStreet, StreamAnchor, StreamSettings, SurfaceTextures, TerrainSource, WorldChanged, WorldMended,
+        WorldRejected,
     };
     pub use crate::space::{ChunkCoord, Origin, Seed};
 }

@@ -35,7 +35,7 @@ pub fn write(chunks: &[PlacedMesh], centre: DVec2) -> Result<Vec<u8>, ExportErro
         // The format and its viewers refuse empty meshes.
         for (part, buffers) in chunk.mesh.parts().filter(|(_, buffers)| !buffers.indices.is_empty()) {
             let material = *materials[part as usize].get_or_insert_with(|| file.material(part));
-            primitives.push(file.primitive(buffers, material)?);
+            primitives.push(file.primitive(buffers, material, part.material().transparent)?);
         }
         if primitives.is_empty() {
             continue;
@@ -78,6 +78,7 @@ impl File {
         &mut self,
         buffers: &MeshBuffers,
         material: Index<gltf::Material>,
+        transparent: bool,
     ) -> Result<gltf::mesh::Primitive, ExportError> {
         let count = buffers.positions.len();
         let fits = buffers.normals.len() == count && buffers.colours.len() == count;
@@ -92,7 +93,9 @@ impl File {
         // Readers insist on normals of unit length.
         let unit = |vertex: u32| buffers.normal(vertex).try_normalize().unwrap_or(Vec3::Y).to_array();
         let normals = (0..count as u32).flat_map(unit).flat_map(f32::to_le_bytes).collect();
-        let colours = buffers.colours.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        // Of opaque parts the alpha names a texture.
+        let alpha = |[r, g, b, a]: [u16; 4]| [r, g, b, if transparent { a } else { u16::MAX }];
+        let colours = buffers.colours.iter().flat_map(|c| alpha(*c)).flat_map(u16::to_le_bytes).collect();
         let indices = buffers.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
 
         let vertices = Some(Target::ArrayBuffer);

@@ -1,14 +1,15 @@
 //! Bridges: decks with parapets, on abutments and piers.
 
-use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::mesh::buffers::{Coat, MeshBuffers};
 use crate::mesh::footing::Footing;
-use crate::mesh::streets::{KERBSTONE, PAVEMENT, carriageway_colour};
+use crate::mesh::streets::{KERBSTONE, PAVEMENT, carriageway_coat};
 use crate::network::Street;
 use crate::space::{left_normal, quantize};
 use crate::surface::{Deck, KERB_HEIGHT, Pieces, offset_line};
+use crate::texture::Texture;
 use glam::{DVec2, DVec3};
 
-const CONCRETE: Rgb = [0.330, 0.325, 0.310];
+const CONCRETE: Coat = Coat::new(Texture::Stone, [0.330, 0.325, 0.310]);
 
 /// Thickness of a deck, in metres.
 const DECK: f64 = 0.9;
@@ -57,7 +58,7 @@ pub(super) fn bridge(
         (offset_line(line, outer - PARAPET_WIDTH), offset_line(line, PARAPET_WIDTH - outer));
     let kerb = section.carriageway;
     let (kerb_left, kerb_right) = (offset_line(line, kerb), offset_line(line, -kerb));
-    let carriageway = carriageway_colour(street.class);
+    let carriageway = carriageway_coat(street.class);
     let foot = if section.paved { KERB_HEIGHT } else { 0.0 };
     // Pieces of a deck meet at the points of its line.
     let point = |piece: usize| piece * (line.len() - 1) / pieces.count();

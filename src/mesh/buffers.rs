@@ -1,5 +1,6 @@
 //! Vertex buffers and the faces added to them.
 
+use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 
 /// Vertices, each with a normal and a linear RGBA colour, and triangles, counter-clockwise seen from the front. A vertex takes
@@ -10,7 +11,7 @@ pub struct MeshBuffers {
     pub positions: Vec<[f32; 3]>,
     /// Unit normals, 127 for 1. The fourth number is 0: it fills the place.
     pub normals: Vec<[i8; 4]>,
-    /// Colours, linear RGBA, 65535 for 1.
+    /// Colours, linear RGBA, 65535 for 1. The alpha of a part that is not transparent names its [texture](Texture::alpha).
     pub colours: Vec<[u16; 4]>,
     /// Indices of vertices, three per triangle.
     pub indices: Vec<u32>,
@@ -18,6 +19,24 @@ pub struct MeshBuffers {
 
 /// A linear colour without transparency.
 pub(super) type Rgb = [f32; 3];
+
+/// What a face is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Coat {
+    pub colour: Rgb,
+    pub texture: Texture,
+}
+
+impl Coat {
+    pub const fn new(texture: Texture, colour: Rgb) -> Self {
+        Self { colour, texture }
+    }
+
+    /// The same with a colour between its own (at `t` = 0) and another one (at 1).
+    pub fn tinted(self, colour: Rgb, t: f32) -> Self {
+        Self { colour: blend(self.colour, colour, t), ..self }
+    }
+}
 
 /// A point or direction, given as plan x, plan y and height, in Bevy's axes.
 pub(super) fn to_bevy(p: DVec3) -> [f32; 3] {
@@ -74,7 +93,12 @@ impl MeshBuffers {
     }
 
     /// Adds a vertex (plan x, plan y, height) and returns its index.
-    pub(super) fn vertex(&mut self, at: DVec3, normal: DVec3, colour: Rgb, alpha: f32) -> u32 {
+    pub(super) fn vertex(&mut self, at: DVec3, normal: DVec3, coat: Coat) -> u32 {
+        self.coloured(at, normal, coat.colour, coat.texture.alpha())
+    }
+
+    /// The same with any alpha.
+    pub(super) fn coloured(&mut self, at: DVec3, normal: DVec3, colour: Rgb, alpha: f32) -> u32 {
         let index = self.positions.len() as u32;
         self.positions.push(to_bevy(at));
         // Rounded by hand: without instructions that not every processor has, `round` is a call.
@@ -94,13 +118,13 @@ impl MeshBuffers {
     }
 
     /// Adds a flat convex polygon, counter-clockwise seen from the front.
-    pub(super) fn face(&mut self, points: &[DVec3], colour: Rgb) {
+    pub(super) fn face(&mut self, points: &[DVec3], coat: Coat) {
         // Newell's sum holds for any polygon, even if three points in a row lie on a line.
         let n = points.len();
         let normal = (0..n).map(|i| points[i].cross(points[(i + 1) % n])).sum::<DVec3>().normalize_or_zero();
         let first = self.positions.len() as u32;
         for &p in points {
-            self.vertex(p, normal, colour, 1.0);
+            self.vertex(p, normal, coat);
         }
         for i in 1..n.saturating_sub(1) as u32 {
             self.triangle([first, first + i, first + i + 1]);
@@ -124,7 +148,7 @@ mod tests {
             [at(0.0, 4.0, 0.0), at(3.0, 0.0, 0.0), at(3.0, 0.0, 2.0), at(0.0, 4.0, 2.0)],
         ];
         for face in &faces {
-            mesh.face(face, [1.0; 3]);
+            mesh.face(face, Coat::new(Texture::Stone, [1.0; 3]));
         }
         let places = mesh.texture_coordinates();
         for (face, points) in places.chunks(4).zip(&faces) {

@@ -1,12 +1,13 @@
 //! Buildings: closed solids of walls, roof and floor on each footprint.
 
 use crate::chunk::Chunk;
-use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
+use crate::mesh::buffers::{Coat, MeshBuffers};
 use crate::mesh::footing::Footing;
 use crate::mesh::roofs::{Roof, cap, roof};
 use crate::mesh::windows::{Facade, windows};
 use crate::parcel::{Footprint, Lot, STOREY_HEIGHT};
 use crate::space::{Bounds, stable_hash};
+use crate::texture::Texture;
 use glam::DVec2;
 
 /// Depth of walls below the ground floor, in metres, in full detail: the ground floor lies at most 2 m above the ground.
@@ -17,31 +18,31 @@ const FAR_FOOT: f64 = 4.0;
 /// Height of the block that stands for a pitched roof in reduced detail, in metres.
 const FAR_ROOF: f64 = 1.2;
 
-/// Colours of plaster, brick and stone.
-pub(super) const WALLS: [Rgb; 10] = [
-    [0.640, 0.560, 0.430],
-    [0.700, 0.660, 0.580],
-    [0.560, 0.420, 0.270],
-    [0.330, 0.130, 0.085],
-    [0.420, 0.190, 0.120],
-    [0.520, 0.490, 0.440],
-    [0.610, 0.480, 0.330],
-    [0.440, 0.400, 0.350],
-    [0.720, 0.690, 0.640],
-    [0.500, 0.370, 0.300],
+/// Plaster, brick and stone.
+pub(super) const WALLS: [Coat; 10] = [
+    Coat::new(Texture::Plaster, [0.640, 0.560, 0.430]),
+    Coat::new(Texture::Plaster, [0.700, 0.660, 0.580]),
+    Coat::new(Texture::Plaster, [0.560, 0.420, 0.270]),
+    Coat::new(Texture::Brick, [0.330, 0.130, 0.085]),
+    Coat::new(Texture::Brick, [0.420, 0.190, 0.120]),
+    Coat::new(Texture::Stone, [0.520, 0.490, 0.440]),
+    Coat::new(Texture::Plaster, [0.610, 0.480, 0.330]),
+    Coat::new(Texture::Brick, [0.440, 0.400, 0.350]),
+    Coat::new(Texture::Plaster, [0.720, 0.690, 0.640]),
+    Coat::new(Texture::Brick, [0.500, 0.370, 0.300]),
 ];
 
-/// Colours of tiles and slate.
-pub(super) const ROOFS: [Rgb; 6] = [
-    [0.330, 0.095, 0.050],
-    [0.250, 0.085, 0.055],
-    [0.095, 0.095, 0.105],
-    [0.150, 0.120, 0.105],
-    [0.290, 0.130, 0.075],
-    [0.060, 0.065, 0.075],
+/// Tiles and slate.
+pub(super) const ROOFS: [Coat; 6] = [
+    Coat::new(Texture::Tiles, [0.330, 0.095, 0.050]),
+    Coat::new(Texture::Tiles, [0.250, 0.085, 0.055]),
+    Coat::new(Texture::Tiles, [0.095, 0.095, 0.105]),
+    Coat::new(Texture::Tiles, [0.150, 0.120, 0.105]),
+    Coat::new(Texture::Tiles, [0.290, 0.130, 0.075]),
+    Coat::new(Texture::Tiles, [0.060, 0.065, 0.075]),
 ];
 
-const FLAT_ROOF: Rgb = [0.210, 0.205, 0.195];
+const FLAT_ROOF: Coat = Coat::new(Texture::Felt, [0.210, 0.205, 0.195]);
 
 /// All buildings of a chunk, and their windows. Unless `full`, buildings are boxes without windows.
 pub(super) fn buildings(chunk: &Chunk, footing: &mut Footing<'_>, full: bool) -> (MeshBuffers, MeshBuffers) {
@@ -84,22 +85,22 @@ fn building(out: &mut MeshBuffers, footprint: &Footprint, lot: Option<&Lot>, ful
     let block = lot.map_or(footprint.id, |l| l.block);
     let shared = (stable_hash(&[block, 7]) % WALLS.len() as u64) as usize;
     let wall = WALLS[if pick(1, 3) == 0 { pick(2, WALLS.len()) } else { (shared + pick(3, 3)) % WALLS.len() }];
-    let wall = blend(wall, [0.5; 3], pick(4, 20) as f32 / 100.0);
+    let wall = wall.tinted([0.5; 3], pick(4, 20) as f32 / 100.0);
     let tiles = ROOFS[(stable_hash(&[block, 8]) as usize % 3 * 2 + pick(5, 2)) % ROOFS.len()];
 
     let shape = roof(plan, footprint.storeys, lot.map(|l| &l.polygon[..2]), footprint.id);
-    let colour = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
+    let cover = if shape == Roof::Flat { FLAT_ROOF } else { tiles };
     // In reduced detail a box keeps the colour of the roof and some of its height.
     let (shape, eaves) = if full || shape == Roof::Flat { (shape, eaves) } else { (Roof::Flat, eaves + FAR_ROOF) };
     walls(out, plan, foot, eaves, wall);
-    shape.build(out, plan, eaves, colour, wall);
+    shape.build(out, plan, eaves, cover, wall);
     cap(out, plan, foot, false, wall);
 }
 
 /// The walls of a building from height `low` to `high`.
-fn walls(out: &mut MeshBuffers, plan: &[DVec2], low: f64, high: f64, colour: Rgb) {
+fn walls(out: &mut MeshBuffers, plan: &[DVec2], low: f64, high: f64, coat: Coat) {
     for (i, &a) in plan.iter().enumerate() {
         let b = plan[(i + 1) % plan.len()];
-        out.face(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], colour);
+        out.face(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], coat);
     }
 }

@@ -5,6 +5,7 @@ use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
 use crate::mesh::coarse;
 use crate::surface::Finish;
 use crate::terrain::{GROUND_STEP, Terrain, TerrainSample};
+use crate::texture::Texture;
 use glam::{DVec2, DVec3, IVec2};
 
 const GRASS: Rgb = [0.125, 0.205, 0.052];
@@ -32,6 +33,15 @@ pub(super) fn colour(sample: &TerrainSample, gradient: DVec2) -> Rgb {
     let steep = blend(high, ROCK, step(0.45, 0.8, gradient.length()));
     let shore = blend(SAND, steep, step(0.4, 2.0, above));
     blend(BED, shore, step(-3.0, -0.2, above))
+}
+
+/// The texture of the ground, by its [place](Texture::between) on the list, each passing smoothly into the next.
+pub(super) fn texture(sample: &TerrainSample) -> f32 {
+    let step = |low: f64, high: f64, x: f64| crate::space::math::smoothstep(low, high, x) as f32;
+    let place = |texture: Texture| f32::from(texture as u8);
+    let green = step(0.0, 0.35, sample.vegetation) + step(0.4, 0.85, sample.vegetation);
+    let bare = step(0.4, 2.0, sample.height - sample.water_level) * (1.0 - step(900.0, 1200.0, sample.height));
+    Texture::between((place(Texture::Meadow) + green) * bare + place(Texture::Sand) * (1.0 - bare))
 }
 
 /// The chunk's ground. `terrain` is the terrain that the chunk's ground was sampled from. Unless `full`, it is coarse where no
@@ -66,7 +76,7 @@ pub(super) fn ground(chunk: &Chunk, terrain: &dyn Terrain, full: bool) -> MeshBu
                     vegetation: of(|s| s.vegetation),
                 };
                 let at = p.extend(sample.height);
-                *slot = out.vertex(at, normal, colour(&sample, gradient), 1.0);
+                *slot = out.coloured(at, normal, colour(&sample, gradient), texture(&sample));
             }
             *slot
         });
@@ -143,7 +153,7 @@ pub(super) fn water(chunk: &Chunk) -> MeshBuffers {
                 if *slot == u32::MAX {
                     let at = DVec2::new(c as f64, r as f64) * GROUND_STEP * COARSE as f64;
                     let level = ground.vertex(c * COARSE, r * COARSE).water_level;
-                    *slot = out.vertex(at.extend(level), DVec3::Z, WATER, WATER_ALPHA);
+                    *slot = out.coloured(at.extend(level), DVec3::Z, WATER, WATER_ALPHA);
                 }
                 *slot
             };

@@ -8,6 +8,7 @@ mod buffers;
 mod build;
 mod buildings;
 mod coarse;
+mod collision;
 mod detail;
 mod footing;
 mod ground;
@@ -21,6 +22,7 @@ mod windows;
 
 pub use buffers::MeshBuffers;
 pub use build::build;
+pub use collision::CollisionMesh;
 pub use detail::Detail;
 pub use horizon::{HorizonFeatures, HorizonTile, HorizonTown, horizon, horizon_tiles};
 pub use part::{ChunkMesh, ChunkPart, PartMaterial};

@@ -32,8 +32,10 @@ pub struct PartMaterial {
     pub roughness: f32,
     /// Reflectance at normal incidence, 0 to 1, as in Bevy's `StandardMaterial`.
     pub reflectance: f32,
-    /// Whether the alpha of the colours counts.
+    /// Whether the alpha of the colours is their opacity.
     pub transparent: bool,
+    /// Whether the alpha of the colours names a [texture](crate::texture::Texture::alpha).
+    pub textured: bool,
 }
 
 impl ChunkPart {
@@ -49,7 +51,8 @@ impl ChunkPart {
             Self::Buildings => ("buildings", 0.85, 0.3),
             Self::Windows => ("windows", 0.15, 0.6),
         };
-        PartMaterial { name, roughness, reflectance, transparent: self == Self::Water }
+        let textured = matches!(self, Self::Ground | Self::Roads | Self::Buildings);
+        PartMaterial { name, roughness, reflectance, transparent: self == Self::Water, textured }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Roofs over footprints: flat, gabled, hipped and mansard. Each roof closes the walls below it edge to edge.
 
-use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
+use crate::mesh::buffers::{Coat, MeshBuffers};
 use crate::space::{cross, ears, left_normal, stable_hash};
+use crate::texture::Texture;
 use glam::{DVec2, DVec3};
 
 /// Buildings with this many storeys or more have no pitched roof.
@@ -66,7 +67,7 @@ const MANSARD_HEIGHT: f64 = 2.6;
 
 impl Roof {
     /// Adds the roof over walls that end at the height `eaves`, in metres.
-    pub fn build(self, out: &mut MeshBuffers, plan: &[DVec2], eaves: f64, tiles: Rgb, wall: Rgb) {
+    pub fn build(self, out: &mut MeshBuffers, plan: &[DVec2], eaves: f64, tiles: Coat, wall: Coat) {
         let at = |i: usize| plan[i % plan.len()].extend(eaves);
         let middle = |i: usize| (plan[i % plan.len()] + plan[(i + 1) % plan.len()]) / 2.0;
         match self {
@@ -103,24 +104,25 @@ impl Roof {
                 for i in 0..plan.len() {
                     quadrangle(out, [at(i), at(i + 1), up(i + 1), up(i)], tiles);
                 }
-                cap(out, &top, eaves + MANSARD_HEIGHT, true, blend(tiles, [0.2; 3], 0.5));
+                let cover = Coat { texture: Texture::Felt, ..tiles.tinted([0.2; 3], 0.5) };
+                cap(out, &top, eaves + MANSARD_HEIGHT, true, cover);
             }
         }
     }
 }
 
 /// Adds a quadrangle that need not be flat, as two triangles.
-fn quadrangle(out: &mut MeshBuffers, [a, b, c, d]: [DVec3; 4], colour: Rgb) {
-    out.face(&[a, b, c], colour);
-    out.face(&[a, c, d], colour);
+fn quadrangle(out: &mut MeshBuffers, [a, b, c, d]: [DVec3; 4], coat: Coat) {
+    out.face(&[a, b, c], coat);
+    out.face(&[a, c, d], coat);
 }
 
 /// Adds a level face over a simple polygon, seen from above or from below.
-pub(super) fn cap(out: &mut MeshBuffers, plan: &[DVec2], height: f64, above: bool, colour: Rgb) {
+pub(super) fn cap(out: &mut MeshBuffers, plan: &[DVec2], height: f64, above: bool, coat: Coat) {
     let normal = if above { DVec3::Z } else { DVec3::NEG_Z };
     let first = out.positions.len() as u32;
     plan.iter().for_each(|p| {
-        out.vertex(p.extend(height), normal, colour, 1.0);
+        out.vertex(p.extend(height), normal, coat);
     });
     for [a, b, c] in ears(plan) {
         out.triangle(if above { [a, b, c] } else { [a, c, b] }.map(|i| first + i as u32));

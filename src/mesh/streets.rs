@@ -1,24 +1,25 @@
 //! Streets: the triangles of the chunk's surface that are not ground, and the faces of kerbs.
 
 use crate::chunk::Chunk;
-use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::mesh::buffers::{Coat, MeshBuffers};
 use crate::network::StreetClass;
 use crate::surface::{Finish, Step, Tin};
+use crate::texture::Texture;
 use glam::{DVec2, DVec3};
 
-const ASPHALT: Rgb = [0.062, 0.064, 0.069];
-const ROAD: Rgb = [0.085, 0.085, 0.084];
-pub(super) const PAVEMENT: Rgb = [0.315, 0.300, 0.275];
-pub(super) const KERBSTONE: Rgb = [0.420, 0.410, 0.390];
-const MARKING: Rgb = [0.720, 0.720, 0.690];
-const VERGE: Rgb = [0.150, 0.140, 0.100];
+const ASPHALT: Coat = Coat::new(Texture::Asphalt, [0.062, 0.064, 0.069]);
+const ROAD: Coat = Coat::new(Texture::Chippings, [0.085, 0.085, 0.084]);
+pub(super) const PAVEMENT: Coat = Coat::new(Texture::Flags, [0.315, 0.300, 0.275]);
+pub(super) const KERBSTONE: Coat = Coat::new(Texture::Stone, [0.420, 0.410, 0.390]);
+const MARKING: Coat = Coat::new(Texture::Paint, [0.720, 0.720, 0.690]);
+const VERGE: Coat = Coat::new(Texture::Meadow, [0.150, 0.140, 0.100]);
 
-/// Colour of the carriageway of a class.
-pub(super) fn carriageway_colour(class: StreetClass) -> Rgb {
+/// What the carriageway of a class is made of.
+pub(super) fn carriageway_coat(class: StreetClass) -> Coat {
     if class.is_road() { ROAD } else { ASPHALT }
 }
 
-fn colour(finish: Finish) -> Rgb {
+fn coat(finish: Finish) -> Coat {
     match finish {
         Finish::Ground | Finish::Verge => VERGE,
         Finish::Pavement => PAVEMENT,
@@ -57,7 +58,7 @@ pub(super) fn streets(chunk: &Chunk, full: bool) -> MeshBuffers {
             // Where shapes at different heights overlap, a small face leads from one to the other.
             if is_steep(normal(tin, *corners)) {
                 let at = |v: u32| tin.points[v as usize].truncate().extend(height_of(v, finish));
-                out.face(&corners.map(at), colour(finish));
+                out.face(&corners.map(at), coat(finish));
                 continue;
             }
             let corners = corners.map(|v| {
@@ -65,7 +66,7 @@ pub(super) fn streets(chunk: &Chunk, full: bool) -> MeshBuffers {
                 if slot.0 == u32::MAX || slot.1 != round {
                     let at = tin.points[v as usize].truncate().extend(height_of(v, finish));
                     let normal = normals[v as usize].normalize_or(DVec3::Z);
-                    *slot = (out.vertex(at, normal, colour(finish), 1.0), round);
+                    *slot = (out.vertex(at, normal, coat(finish)), round);
                 }
                 slot.0
             });
@@ -99,8 +100,8 @@ fn hem(out: &mut MeshBuffers, tin: &Tin) {
                 (false, true) => vec![a, b, q],
                 (true, true) => vec![a, b, q, p],
             };
-            out.face(&ring, colour(*finish));
-            out.face(&ring.into_iter().rev().collect::<Vec<_>>(), colour(*finish));
+            out.face(&ring, coat(*finish));
+            out.face(&ring.into_iter().rev().collect::<Vec<_>>(), coat(*finish));
         }
     }
 }
@@ -125,7 +126,7 @@ fn kerb(out: &mut MeshBuffers, chunk: &Chunk, step: &Step) {
     for (i, (p, height)) in corners.iter().enumerate() {
         let (q, other) = corners[(i + 3) % 4];
         if q != *p || other != *height {
-            ring.push(out.vertex(p.extend(*height), normal, KERBSTONE, 1.0));
+            ring.push(out.vertex(p.extend(*height), normal, KERBSTONE));
         }
     }
     for i in 1..ring.len().max(2) - 1 {

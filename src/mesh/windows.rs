@@ -1,8 +1,9 @@
 //! Windows and doors: flat panes just in front of the walls, on every wall that no neighbour stands against.
 
-use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::mesh::buffers::{Coat, MeshBuffers, Rgb};
 use crate::mesh::footing::Footing;
 use crate::space::{Bounds, point_in_polygon, stable_hash};
+use crate::texture::Texture;
 use glam::DVec2;
 
 const GLASS: Rgb = [0.040, 0.055, 0.075];
@@ -75,7 +76,10 @@ pub(super) fn windows(
         let mut pane = |out: &mut MeshBuffers, middle: DVec2, half: f64, low: f64, high: f64, colour: Rgb| {
             let (p, q) = (middle - u * half + outwards * PANE_OFFSET, middle + u * half + outwards * PANE_OFFSET);
             if low + 0.1 > footing.height(middle + outwards * PANE_OFFSET) {
-                out.face(&[p.extend(low), q.extend(low), q.extend(high), p.extend(high)], colour);
+                out.face(
+                    &[p.extend(low), q.extend(low), q.extend(high), p.extend(high)],
+                    Coat::new(Texture::Stone, colour),
+                );
             }
         };
         if facade.storeys >= BANDED {

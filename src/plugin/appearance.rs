@@ -1,5 +1,6 @@
 //! Meshes and materials of chunks.
 
+use super::material::{SprawlMaterial, SprawlTextures, SurfaceTextures};
 use crate::mesh::{ChunkMesh, MeshBuffers, PartMaterial};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
@@ -17,38 +18,54 @@ impl Component for ChunkPart {
 }
 
 /// The material of a part, unless a game gives another one. Colours come from the vertices.
-fn default_material(part: ChunkPart) -> StandardMaterial {
-    let PartMaterial { roughness, reflectance, transparent, .. } = part.material();
+fn default_material(part: ChunkPart, textures: Option<&SprawlTextures>) -> SprawlMaterial {
+    let PartMaterial { roughness, reflectance, transparent, textured, .. } = part.material();
     let alpha_mode = if transparent { AlphaMode::Blend } else { AlphaMode::Opaque };
-    StandardMaterial { perceptual_roughness: roughness, reflectance, alpha_mode, ..default() }
+    let extension = match textures.filter(|_| textured) {
+        Some(textures) => SurfaceTextures::new(textures.0.clone()),
+        None => SurfaceTextures::none(),
+    };
+    let base = StandardMaterial { perceptual_roughness: roughness, reflectance, alpha_mode, ..default() };
+    SprawlMaterial { base, extension }
 }
 
-/// The materials that all chunks and tiles share, one for each [`ChunkPart`]. Colours come from the vertices.
+/// The materials that all chunks and tiles share, one for each [`ChunkPart`]. Colours come from the vertices, and textures from the
+/// program.
 ///
-/// A game may change a material at any time, or replace a handle before the first chunk is loaded. Materials with textures need
+/// A game may change a material at any time, or replace a handle before the first chunk is loaded. Images of a game's own need
 /// [`StreamSettings::texture_coordinates`](crate::plugin::StreamSettings::texture_coordinates).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
 /// # use bevy_sprawl::prelude::*;
 ///
-/// fn brick(mut parts: ResMut<SprawlMaterials>, mut materials: ResMut<Assets<StandardMaterial>>) {
-///     parts[ChunkPart::Buildings] = materials.add(Color::srgb(0.6, 0.3, 0.2));
+/// fn evening(parts: Res<SprawlMaterials>, mut materials: ResMut<Assets<SprawlMaterial>>) {
+///     if let Some(mut windows) = materials.get_mut(&parts[ChunkPart::Windows]) {
+///         windows.base.emissive = LinearRgba::rgb(0.9, 0.7, 0.3);
+///     }
+/// }
+///
+/// fn plain(parts: Res<SprawlMaterials>, mut materials: ResMut<Assets<SprawlMaterial>>) {
+///     for part in ChunkPart::ALL {
+///         if let Some(mut material) = materials.get_mut(&parts[part]) {
+///             material.extension = SurfaceTextures::none();
+///         }
+///     }
 /// }
 /// ```
 #[derive(Resource, Clone, Debug, Reflect)]
 #[reflect(Resource, Debug, Clone)]
-pub struct SprawlMaterials([Handle<StandardMaterial>; ChunkPart::ALL.len()]);
+pub struct SprawlMaterials([Handle<SprawlMaterial>; ChunkPart::ALL.len()]);
 
 impl SprawlMaterials {
     /// The materials that `material` gives for the parts.
-    pub fn new(material: impl FnMut(ChunkPart) -> Handle<StandardMaterial>) -> Self {
+    pub fn new(material: impl FnMut(ChunkPart) -> Handle<SprawlMaterial>) -> Self {
         Self(ChunkPart::ALL.map(material))
     }
 }
 
 impl Index<ChunkPart> for SprawlMaterials {
-    type Output = Handle<StandardMaterial>;
+    type Output = Handle<SprawlMaterial>;
 
     fn index(&self, part: ChunkPart) -> &Self::Output {
         &self.0[part as usize]
@@ -84,7 +101,7 @@ pub(super) fn part_meshes(chunk: ChunkMesh, keep: bool, textured: bool) -> Vec<P
 /// Normals of four bytes. Bevy matches attributes by their ids and takes their formats as they are.
 const NORMAL: MeshVertexAttribute = MeshVertexAttribute { format: VertexFormat::Snorm8x4, ..Mesh::ATTRIBUTE_NORMAL };
 
-/// Colours of eight bytes.
+/// Colours of eight bytes. Their alpha names textures.
 const COLOUR: MeshVertexAttribute = MeshVertexAttribute { format: VertexFormat::Unorm16x4, ..Mesh::ATTRIBUTE_COLOR };
 
 fn to_mesh(buffers: MeshBuffers, keep: bool, textured: bool) -> Mesh {
@@ -123,8 +140,10 @@ impl Plugin for AppearancePlugin {
 fn make_materials(
     mut commands: Commands,
     given: Option<Res<SprawlMaterials>>,
-    materials: Option<ResMut<Assets<StandardMaterial>>>,
+    materials: Option<ResMut<Assets<SprawlMaterial>>>,
+    textures: Option<Res<SprawlTextures>>,
 ) {
     let (None, Some(mut materials)) = (given, materials) else { return };
-    commands.insert_resource(SprawlMaterials::new(|part| materials.add(default_material(part))));
+    let material = |part| materials.add(default_material(part, textures.as_deref()));
+    commands.insert_resource(SprawlMaterials::new(material));
 }

@@ -9,7 +9,7 @@
 //! | `source`, `regenerate` | the inputs of the world; making the next world when they change |
 //! | `assets`, `rejected_edits` | inputs from files |
 //! | `origin`, `anchor`, `shift` | coordinates, the anchors that the world is streamed around, moving the origin |
-//! | `chunk`, `appearance`, `stream_settings`, `streaming` | the entities of chunks and of the horizon, their meshes and materials, how they come and go |
+//! | `chunk`, `appearance`, `material`, `collision`, `stream_settings`, `streaming` | the entities of chunks and of the horizon, their meshes, materials, textures and colliders, how they come and go |
 //! | `queries`, `task`, `spawn_point`, `start` | questions of games to the world |
 //! | `diagnostics`, `gizmos` | figures and debug lines |
 //!
@@ -33,9 +33,11 @@ mod anchor;
 mod appearance;
 mod assets;
 mod chunk;
+mod collision;
 mod diagnostics;
 mod frame_time;
 mod gizmos;
+mod material;
 mod origin;
 mod queries;
 mod regenerate;
@@ -57,11 +59,13 @@ pub use assets::{
     AssetMended, AssetRejected, EditsFile, EditsLoader, PatchSetLoader, SprawlEdits, SprawlFolder, StyleLoader,
 };
 pub use chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkFailed, ChunkReady, ChunkStatus, ChunkUnloaded};
+pub use collision::ChunkCollision;
 pub use diagnostics::{
     DIAGNOSTIC_APPLY_MS, DIAGNOSTIC_CHUNKS_LOADED, DIAGNOSTIC_CHUNKS_MADE, DIAGNOSTIC_MAIN_THREAD_MS,
     DIAGNOSTIC_TASKS_IN_FLIGHT, DIAGNOSTIC_TILES_LOADED, DIAGNOSTIC_TILES_MADE, SprawlStats,
 };
 pub use gizmos::SprawlGizmos;
+pub use material::{SprawlMaterial, SprawlTextures, SurfaceTextures};
 pub use origin::SprawlOrigin;
 pub use queries::Sprawl;
 pub use rejected_edits::{EditRejected, RejectedEdits};
@@ -193,6 +197,7 @@ impl Plugin for SprawlPlugin {
             source::SourcePlugin { source: WorldSource { seed: self.seed, settings, assets, edits, terrain }, awaited },
             assets::AssetsPlugin { folder, edits: self.edits_file.clone() },
             chunk::ChunkPlugin,
+            material::SprawlMaterialPlugin,
             appearance::AppearancePlugin,
             anchor::AnchorPlugin,
             start::StartPlugin,

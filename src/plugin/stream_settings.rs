@@ -20,10 +20,13 @@ pub struct StreamSettings {
     /// load radius away. A negative value counts as 0.
     pub lookahead_s: f32,
     /// Keeps vertices in main memory after they have gone to the GPU, for games that read meshes back. This needs about
-    /// twice the memory. Colliders do not need it: they can be made from [`ChunkData`](crate::plugin::ChunkData).
+    /// twice the memory. Colliders do not need it.
     pub keep_meshes: bool,
     /// Gives meshes texture coordinates in metres, for materials with textures. A vertex takes 24 bytes without and 32 with them.
     pub texture_coordinates: bool,
+    /// Gives chunks in full detail a [`ChunkCollision`](crate::plugin::ChunkCollision), also where nothing is drawn. It is made in the
+    /// task of the chunk.
+    pub collision: bool,
 }
 
 impl Default for StreamSettings {
@@ -36,6 +39,7 @@ impl Default for StreamSettings {
             lookahead_s: 4.0,
             keep_meshes: false,
             texture_coordinates: false,
+            collision: false,
         }
     }
 }

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Analysis and exports read worlds, and nothing in a world reads them; exports may draw what an analysis finds.
 const LAYERS: [&[&str]; 20] = [
     &["space"],
-    &["layer", "network"],
+    &["layer", "network", "texture"],
     &["style", "patch", "edits", "map"],
     &["terrain"],
     &["region"],

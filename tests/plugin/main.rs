@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+mod collision;
 mod horizon;
 
 const PATIENCE: Duration = Duration::from_secs(120);

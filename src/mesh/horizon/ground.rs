@@ -3,7 +3,7 @@
 use super::massing::HorizonTown;
 use super::tile::HorizonTile;
 use crate::mesh::buffers::{MeshBuffers, Rgb, blend};
-use crate::mesh::ground::{WATER, WATER_ALPHA, colour};
+use crate::mesh::ground::{WATER, WATER_ALPHA, colour, texture};
 use crate::terrain::{Scan, Terrain, TerrainSample};
 use glam::{DVec2, DVec3, IVec2};
 
@@ -18,6 +18,9 @@ const TOWN_SHARE: f32 = 0.6;
 
 /// Height above the water, in metres, above which no water is looked for between vertices.
 const DRY: f64 = 10.0;
+
+/// Height above the water, in metres, from which the ground has the colour of what grows there.
+const NO_SAND: f64 = 2.0;
 
 /// Points along each side of the square around a vertex at which water is looked for.
 const PROBES: i32 = 4;
@@ -141,11 +144,14 @@ impl Land {
         for (row, column) in (0..=n).flat_map(|row| (0..=n).map(move |column| (row, column))) {
             let (Vertex { sample, stream }, gradient) = (self.vertex(column, row), self.gradient(column, row));
             let plan = self.tile.vertex(self.chunk_size, IVec2::new(column, row));
-            let wild = blend(colour(sample, gradient), STREAM, *stream);
+            // From afar no sand shows along the water: between vertices it would be far wider than it is.
+            let dry = TerrainSample { height: sample.height.max(sample.water_level + NO_SAND), ..*sample };
+            let land = if sample.depth() > 0.0 { sample } else { &dry };
+            let wild = blend(colour(land, gradient), STREAM, *stream);
             let in_town = sample.depth() <= 0.0 && towns.iter().any(|town| town.contains(plan));
             let colour = if in_town { blend(wild, TOWN, TOWN_SHARE) } else { wild };
             let at = DVec3::new(f64::from(column) * step, f64::from(row) * step, sample.height);
-            out.vertex(at, DVec3::new(-gradient.x, -gradient.y, 1.0).normalize(), colour, 1.0);
+            out.coloured(at, DVec3::new(-gradient.x, -gradient.y, 1.0).normalize(), colour, texture(land));
         }
         let index = |column: i32, row: i32| (row * (n + 1) + column) as u32;
         for (row, column) in (0..n).flat_map(|row| (0..n).map(move |column| (row, column))) {
@@ -193,7 +199,7 @@ impl Land {
                 let slot = &mut index[(r * (n + 1) + c) as usize];
                 if *slot == u32::MAX {
                     let at = DVec2::new(f64::from(c), f64::from(r)) * step;
-                    *slot = out.vertex(at.extend(self.at(c, r).water_level), DVec3::Z, WATER, WATER_ALPHA);
+                    *slot = out.coloured(at.extend(self.at(c, r).water_level), DVec3::Z, WATER, WATER_ALPHA);
                 }
                 *slot
             });

@@ -1,7 +1,7 @@
 //! Towns from afar: boxes in place of buildings.
 
 use super::tile::HorizonTile;
-use crate::mesh::buffers::{MeshBuffers, Rgb};
+use crate::mesh::buffers::{Coat, MeshBuffers};
 use crate::mesh::buildings::{ROOFS, WALLS};
 use crate::parcel::STOREY_HEIGHT;
 use crate::region::{Outline, Settlement};
@@ -118,7 +118,7 @@ fn raise(out: &mut MeshBuffers, place: &Place, town: &HorizonTown<'_>, terrain: 
     let (x, y) = if rng.chance(0.5) { (place.along, place.along.perp()) } else { (place.along.perp(), -place.along) };
     let ring = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(a, b)| place.plan - corner + x * (a * half.x) + y * (b * half.y));
-    let (wall, roof): (Rgb, Rgb) = (WALLS[rng.index(WALLS.len())], ROOFS[rng.index(ROOFS.len())]);
+    let (wall, roof): (Coat, Coat) = (WALLS[rng.index(WALLS.len())], ROOFS[rng.index(ROOFS.len())]);
     for i in 0..4 {
         let (a, b) = (ring[i], ring[(i + 1) % 4]);
         out.face(&[a.extend(floor), b.extend(floor), b.extend(top), a.extend(top)], wall);

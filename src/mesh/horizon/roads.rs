@@ -2,7 +2,7 @@
 
 use super::ground::Land;
 use crate::mesh::buffers::MeshBuffers;
-use crate::mesh::streets::carriageway_colour;
+use crate::mesh::streets::carriageway_coat;
 use crate::region::RoadSection;
 use crate::space::Bounds;
 use crate::surface::{CrossSection, offset_line};
@@ -31,7 +31,7 @@ pub(super) fn roads(land: &Land, roads: &[Arc<RoadSection>]) -> MeshBuffers {
                     let at = edge[i].lerp(edge[i + 1], t);
                     let sample = land.surface(at);
                     let height = (sample.height + LIFT).max(sample.water_level + FREEBOARD);
-                    out.vertex(at.extend(height), DVec3::Z, carriageway_colour(road.street.class), 1.0)
+                    out.vertex(at.extend(height), DVec3::Z, carriageway_coat(road.street.class))
                 });
                 if let Some([right, left]) = before.replace(now) {
                     out.triangle([right, now[0], now[1]]);

@@ -9,6 +9,7 @@ use super::index::{ChunkIndex, Unloading};
 use super::parts::spawn_parts;
 use crate::mesh::HorizonTile;
 use crate::plugin::chunk::{ChunkChange, ChunkData, ChunkDetail, ChunkReady, ChunkUnloaded};
+use crate::plugin::collision::MadeCollision;
 use crate::plugin::frame_time::FrameTime;
 use crate::plugin::stream_settings::StreamSettings;
 use crate::space::ChunkCoord;
@@ -81,7 +82,7 @@ fn apply(world: &mut World, coord: ChunkCoord) {
         // The game has just despawned the entity. The chunk will be planned anew.
         return;
     }
-    let FinishedChunk { chunk, detail, outlines, parts, .. } = finished;
+    let FinishedChunk { chunk, detail, outlines, parts, collision } = finished;
     let parts = spawn_parts(world, parent, parts);
     let mut index = world.resource_mut::<ChunkIndex>();
     let Some(entry) = index.entries.get_mut(&coord) else { return };
@@ -105,6 +106,7 @@ fn apply(world: &mut World, coord: ChunkCoord) {
     }
     if let Ok(mut entity) = world.get_entity_mut(parent) {
         entity.insert((ChunkDetail(detail), status));
+        MadeCollision::put(collision, &mut entity);
         if change != ChunkChange::Detail {
             entity.insert(ChunkData(chunk));
         }

@@ -5,6 +5,7 @@ use crate::chunk::Chunk;
 use crate::layer::{Cancel, LayerError};
 use crate::mesh::{ChunkMesh, Detail, HorizonTile};
 use crate::plugin::appearance::{PartMesh, part_meshes};
+use crate::plugin::collision::MadeCollision;
 use crate::plugin::stream_settings::StreamSettings;
 use crate::region::Outline;
 use crate::space::ChunkCoord;
@@ -18,6 +19,8 @@ pub(super) struct FinishedChunk {
     pub outlines: Vec<Arc<Outline>>,
     /// Meshes; none if nothing could draw them.
     pub parts: Vec<PartMesh>,
+    /// What things run into, if it is wanted.
+    pub collision: Option<MadeCollision>,
 }
 
 /// The meshes of a finished tile, by the pieces that are shown and hidden alone: see [`pieces`].
@@ -30,25 +33,31 @@ pub(super) struct Builder {
     pub with_meshes: bool,
     pub keep_meshes: bool,
     pub texture_coordinates: bool,
+    pub collision: bool,
 }
 
 impl Builder {
     /// A builder that makes meshes only where something could draw them.
     pub fn new(generator: &Arc<dyn ChunkGenerator>, settings: &StreamSettings, with_meshes: bool) -> Self {
-        let StreamSettings { keep_meshes, texture_coordinates, .. } = *settings;
-        Self { generator: generator.clone(), with_meshes, keep_meshes, texture_coordinates }
+        let StreamSettings { keep_meshes, texture_coordinates, collision, .. } = *settings;
+        Self { generator: generator.clone(), with_meshes, keep_meshes, texture_coordinates, collision }
     }
 
     /// Makes a chunk.
     pub fn chunk(&self, coord: ChunkCoord, detail: Detail, cancel: &Cancel) -> Result<FinishedChunk, LayerError> {
         let chunk = self.generator.chunk(coord, cancel)?;
         let outlines = self.generator.outlines(&chunk)?;
-        let mut parts = Vec::new();
-        if self.with_meshes {
+        let (mut parts, mut collision) = (Vec::new(), None);
+        let solid = self.collision && detail == Detail::Full;
+        if self.with_meshes || solid {
             cancel.check()?;
-            parts = self.parts(self.generator.mesh(&chunk, detail, cancel)?);
+            let mesh = self.generator.mesh(&chunk, detail, cancel)?;
+            collision = solid.then(|| MadeCollision::new(mesh.collision()));
+            if self.with_meshes {
+                parts = self.parts(mesh);
+            }
         }
-        Ok(FinishedChunk { chunk, detail, outlines, parts })
+        Ok(FinishedChunk { chunk, detail, outlines, parts, collision })
     }
 
     /// Makes a tile of the horizon.
