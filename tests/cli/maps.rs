@@ -94,6 +94,52 @@ fn patches_are_extracted_from_a_map_and_every_part_of_it_is_accounted_for() {
 }
 
 #[test]
+fn broken_maps_are_refused_with_what_was_found() {
+    let way = "<way id=\"7\"><nd ref=\"1\"/><nd ref=\"8\"/><tag k=\"highway\" v=\"residential\"/></way>";
+    let node = "<node id=\"1\" lat=\"49\" lon=\"8\"/>";
+    let table = [
+        ("cut.osm", format!("<osm version=\"0.6\">{node}{}", &way[..40]), "cut.osm:1:"),
+        ("cut.osm.pbf", "\0\0\0\rOSMHeader".into(), "no readable OSM PBF"),
+        ("missing.osm", format!("<osm version=\"0.6\">{node}{way}</osm>"), "left out: 1 nodes missing"),
+        ("streetless.osm", format!("<osm version=\"0.6\">{node}</osm>"), "no street of the classes"),
+    ];
+    for (name, content, found) in table {
+        let map = file(name, &content).to_string_lossy().into_owned();
+        let [set, drawn] = ["broken.ron", "broken.svg"].map(|name| file(name, "").to_string_lossy().into_owned());
+        for command in [&["patches", "extract", &map, "-o", &set][..], &["synth", &map, "--size", "500", "-o", &drawn]]
+        {
+            assert!(refused(command).contains(found), "{name}: {}", refused(command));
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_map_is_counted_where_the_rest_is_of_use() {
+    let line = |kind: &str, tag: &str, points: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"{tag}\":\"residential\"}},\"geometry\":{{\"type\":\"{kind}\",\"coordinates\":{points}}}}}"
+        )
+    };
+    let mut features: Vec<String> = (0..5)
+        .flat_map(|i| [format!("[[8.00{i},49],[8.00{i},49.004]]"), format!("[[8,49.00{i}],[8.004,49.00{i}]]")])
+        .map(|points| line("LineString", "highway", &points))
+        .collect();
+    let corners = "[[[8.0012,49.0012],[8.0016,49.0016],[8.0016,49.0012],[8.0012,49.0018],[8.0012,49.0012]]]";
+    features.push(line("Polygon", "building", corners));
+    let map = format!("{{\"type\":\"FeatureCollection\",\"features\":[{}]}}", features.join(","));
+    let [map, set] = [("crossed.geojson", &*map), ("crossed.ron", "")]
+        .map(|(name, content)| file(name, content).to_string_lossy().into_owned());
+    let found = json(&["patches", "extract", &map, "-o", &set, "--size", "120", "--interval", "20"]);
+    let found = &found["maps"][0];
+    assert_eq!(
+        (&found["buildings"], &found["not_read"]["crosses_itself"]),
+        (&Value::from(0), &Value::from(1)),
+        "{found}"
+    );
+    assert!(found["patches"].as_u64() > Some(5), "{found}");
+}
+
+#[test]
 fn a_square_is_made_of_a_map_and_hangs_together() {
     let mask = road_mask("synth-mask.png");
     let [made, again, set] =

@@ -7,12 +7,12 @@ use crate::output::{Format, Output};
 use crate::values::{Turn, number, turn};
 use crate::work;
 use bevy_sprawl::export::png;
-use bevy_sprawl::map::{self, ExtractOptions, Map, MapOptions, MapPatches, NoPatch, PatchKind};
+use bevy_sprawl::map::{self, ExtractOptions, Map, MapOptions, MapPatches, PatchKind};
 use bevy_sprawl::patch::{self, PatchDrawing, PatchSet};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -139,9 +139,11 @@ pub fn run(common: &Common, args: &ExtractArgs) -> Result<(), Fail> {
     }
     let report = |(path, map): (&PathBuf, &MapPatches)| {
         let left_out: BTreeMap<&str, usize> = map.left_out.iter().map(|(reason, n)| (reason.key(), *n)).collect();
+        let not_read: BTreeMap<&str, usize> = map.not_read.iter().map(|(reason, n)| (reason.key(), *n)).collect();
         json!({
             "file": path.to_string_lossy(), "km": (map.length / 10.0).round() / 100.0, "junctions": map.junctions,
             "buildings": map.buildings, "patches": map.patches.len(), "left_out": left_out,
+            "not_read": not_read,
         })
     };
     let list: Vec<Value> = args.maps.iter().zip(&maps).map(report).collect();
@@ -151,11 +153,12 @@ pub fn run(common: &Common, args: &ExtractArgs) -> Result<(), Fail> {
         // Writing to a string cannot fail.
         let _ = writeln!(
             people,
-            "{}: {km:.1} km of streets, {} junctions, {} buildings; {patches} patches, left out: {}",
+            "{}: {km:.1} km of streets, {} junctions, {} buildings; {patches} patches, left out: {}; of the file: {}",
             map.map,
             map.junctions,
             map.buildings,
-            left_out_in_words(map)
+            left_out_in_words(map),
+            in_words(&map.not_read)
         );
     }
     let _ = writeln!(people, "{}: {} patches", args.output.display(), drawings.len());
@@ -165,7 +168,10 @@ pub fn run(common: &Common, args: &ExtractArgs) -> Result<(), Fail> {
 
 /// What was left out of a map and why, in words.
 pub fn left_out_in_words(map: &MapPatches) -> String {
-    let reasons = map.left_out.iter().map(|(reason, count): (&NoPatch, &usize)| format!("{count} {reason}"));
-    let reasons: Vec<String> = reasons.collect();
+    in_words(&map.left_out)
+}
+
+fn in_words<R: Display>(counts: &BTreeMap<R, usize>) -> String {
+    let reasons: Vec<String> = counts.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
     if reasons.is_empty() { "none".into() } else { reasons.join(", ") }
 }

@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Least length of streets in a window, in metres.
-const LEAST_STREETS: f64 = 40.0;
+/// Least length of streets in a window, in metres: any that has streets.
+const LEAST_STREETS: f64 = 1.0;
 
 /// About how large the parts are in which one of several maps prevails, in metres.
 const BLEND: f64 = 500.0;

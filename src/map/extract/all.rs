@@ -30,6 +30,7 @@ pub fn extract(map: &Map, name: &str, options: &ExtractOptions) -> Result<MapPat
         length: ground.length(),
         junctions: ground.junctions(),
         buildings: map.buildings.len(),
+        not_read: map.report.left_out.clone(),
         ..MapPatches::default()
     };
     match options.kind {

@@ -2,6 +2,7 @@
 
 use super::options::NoPatch;
 use super::shape::Shape;
+use crate::map::report::LeftOut;
 use crate::patch::{Patch, PatchDrawing};
 use std::collections::BTreeMap;
 
@@ -28,6 +29,8 @@ pub struct MapPatches {
     pub junctions: usize,
     /// Number of its buildings.
     pub buildings: usize,
+    /// What the reader left out of the file, by reason: buildings whose outlines cross themselves, for one.
+    pub not_read: BTreeMap<LeftOut, usize>,
     /// How many parts of the map made no patch, by reason.
     pub left_out: BTreeMap<NoPatch, usize>,
 }

@@ -31,7 +31,7 @@ pub(super) fn extract(ground: &Ground, options: &ExtractOptions, out: &mut MapPa
                 continue;
             }
             let cut = Cut::of(ground, middle, half + options.margin);
-            if cut.length_within(half) < options.least_streets {
+            if cut.graph.edges().next().is_none() || cut.length_within(half) < options.least_streets {
                 out.leave_out(NoPatch::FewStreets, 1);
                 continue;
             }

@@ -154,9 +154,9 @@ fn estimate(table: &TileTable, asked: &Asked<'_>, tile: u32, unlike: impl Fn(&[C
             continue;
         }
         for (a, b) in fixed.iter().zip(own) {
-            let (weight, wider) = pair_weight(*a, *b);
+            let (weight, besides) = pair_weight(*a, *b);
             off[1 - side.axis()].add(*a, *b, weight);
-            rest += wider;
+            rest += besides;
         }
     }
     let margin = table.window(tile).margin as f32;

@@ -2,23 +2,27 @@
 
 use super::side::Crossing;
 
-/// Distance in metres that costs as much as a street that becomes twice as wide.
-const WIDER: f32 = 15.0;
+/// Distance in metres that costs as much as a street that becomes twice as wide: more than that at which streets stay alone, for main
+/// streets are long.
+const WIDER: f32 = 40.0;
+/// Distance in metres that costs as much as a street that turns aside by a right angle on the side.
+const BENT: f32 = 40.0;
 
 /// Cost of two crossings of a side: the square of their distance, times the ratio of their widths, times their product. By these
-/// equations streets of any width go together where they meet exactly, as tiles do that were moved to fit; so widths that differ
-/// cost something by themselves.
+/// equations streets of any width and direction go together where they meet exactly, as tiles do that were moved to fit; so widths
+/// and directions that differ cost something by themselves.
 pub fn pair_cost(a: Crossing, b: Crossing) -> f32 {
     let off = a.at - b.at;
-    let (weight, wider) = pair_weight(a, b);
-    off * off * weight + wider
+    let (weight, unlike) = pair_weight(a, b);
+    off * off * weight + unlike
 }
 
-/// What the square of the distance between two crossings is multiplied by in their cost, and what their widths cost besides.
+/// What the square of the distance between two crossings is multiplied by in their cost, and what their widths and directions cost besides.
 pub fn pair_weight(a: Crossing, b: Crossing) -> (f32, f32) {
     let ratio = a.width.max(b.width) / a.width.min(b.width);
     let wide = a.width * b.width;
-    (ratio * wide, WIDER * WIDER * (ratio - 1.0) * wide)
+    let bent = BENT * (a.slant - b.slant);
+    (ratio * wide, (WIDER * WIDER * (ratio - 1.0) + bent * bent) * wide)
 }
 
 /// Cost of a side: that of the first crossings on both sides, of the second ones and so on (equation 1).
@@ -102,7 +106,7 @@ mod tests {
     use super::*;
 
     fn crossing(at: f32, width: f32) -> Crossing {
-        Crossing { at, width }
+        Crossing { at, width, slant: 0.0 }
     }
 
     #[test]
@@ -111,6 +115,13 @@ mod tests {
         assert_eq!(pair_cost(crossing(3.0, 6.0), crossing(7.0, 12.0)), (16.0 * 2.0 + WIDER * WIDER) * 72.0);
         let (a, b) = ([crossing(0.0, 6.0), crossing(9.0, 6.0)], [crossing(1.0, 6.0), crossing(7.0, 6.0)]);
         assert_eq!(side_cost(&a, &b), 36.0 + 4.0 * 36.0);
+    }
+
+    #[test]
+    fn a_street_that_bends_on_a_side_costs_more_than_one_that_goes_straight_on() {
+        let slanted = |at: f32, slant: f32| Crossing { at, width: 6.0, slant };
+        assert_eq!(pair_cost(slanted(3.0, 0.7), slanted(3.0, 0.7)), 0.0, "a diagonal goes on");
+        assert!(pair_cost(slanted(3.0, 0.7), slanted(3.0, 0.0)) > pair_cost(slanted(3.0, 0.7), slanted(12.0, 0.7)));
     }
 
     #[test]

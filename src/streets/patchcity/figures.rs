@@ -38,6 +38,11 @@ impl Figures {
         Self([length as f32, main as f32, count(&|d| d > 2), count(&|d| d == 1), built as f32])
     }
 
+    /// Length of streets in metres.
+    pub fn length(&self) -> f32 {
+        self.0[0]
+    }
+
     /// Number of junctions, and of dead ends.
     pub fn ends(&self) -> (f32, f32) {
         (self.0[2], self.0[3])

@@ -108,7 +108,8 @@ pub fn lay(
     buildings.retain(|b| is_simple(&b.outline));
     let mut mending = Mending::new(&mut graph);
     mending.untangle(&moved);
-    mending.lead_on(&loose, 0.4 * table.size, table.has_dead_ends());
+    let wanted = mosaic.tiles().count() as f64 * table.length;
+    mending.lead_on(&loose, 0.4 * table.size, table.has_dead_ends(), wanted);
     cancel.check()?;
     let pinned = pinned(draft);
     let has_room = |p: DVec2| has_room(draft, &pinned, p);

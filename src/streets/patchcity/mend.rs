@@ -75,9 +75,14 @@ impl<'g> Mending<'g> {
 
     /// Leads streets on that end at the side of a tile, or takes them back to where they came from. `reach` is the length in metres of
     /// the longest street that is added.
-    /// With `dead_ends`, as in a map that has them, long ones end a little before the side instead.
-    pub fn lead_on(&mut self, loose: &[VertexIx], reach: f64, dead_ends: bool) {
-        for &v in loose {
+    /// With `dead_ends`, as in a map that has them, long ones end a little before the side instead. As many lead on as make all
+    /// streets together `wanted` metres long: where one tile has a street more than the next, neither is right by itself.
+    pub fn lead_on(&mut self, loose: &[VertexIx], reach: f64, dead_ends: bool, wanted: f64) {
+        let missing = wanted - self.length();
+        let mut added = 0.0;
+        for (i, &v) in loose.iter().enumerate() {
+            // Evenly over all of them, so that no part of the mosaic gets all of what is missing.
+            let due = missing * (i + 1) as f64 / loose.len() as f64;
             let Some(&own) = self.graph.edges_at(v).first().filter(|_| self.graph.degree(v) == 1) else { continue };
             let at = self.graph.at(v);
             let back = (self.graph.at(self.graph.edge(own).other(v)) - at).normalize_or_zero();
@@ -94,12 +99,24 @@ impl<'g> Mending<'g> {
             let class = self.graph.edge(own).data.class;
             let straight = self.straight_on(v, -back, own);
             let found = straight.into_iter().chain(links.into_iter().take(TRIES)).find(|link| self.keeps_rules(link));
-            match found {
-                Some(link) => self.build(&link, class),
-                None if dead_ends && self.length_to_junction(v) > LEAST_DEAD_END => self.shorten(v, own),
-                None => self.take_back(v),
+            let own_length = self.length_to_junction(v);
+            match found.filter(|link| added + (link.length - own_length) / 2.0 <= due) {
+                Some(link) => {
+                    added += link.length;
+                    self.build(&link, class);
+                }
+                None if dead_ends && own_length > LEAST_DEAD_END => self.shorten(v, own),
+                None => {
+                    added -= own_length;
+                    self.take_back(v);
+                }
             }
         }
+    }
+
+    /// Length of all streets in metres.
+    fn length(&self) -> f64 {
+        self.graph.edges().map(|(e, _)| self.graph.edge_length(e)).sum()
     }
 
     /// The street from the end of an edge straight on to the first one that it meets.

@@ -55,4 +55,7 @@ pub struct Crossing {
     pub at: f32,
     /// Width of the carriageway in metres.
     pub width: f32,
+    /// How far the street leads along the side, eastwards or northwards, for each metre of it on its way north or east across the
+    /// side: 0 at a right angle, almost 1 or -1 beside it.
+    pub slant: f32,
 }

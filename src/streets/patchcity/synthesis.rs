@@ -69,7 +69,7 @@ pub fn synthesize(
     let sites = sites(&mosaic, &warps);
     let mut mending = Mending::new(&mut graph);
     mending.untangle(&moved);
-    mending.lead_on(&loose, LEAD_ON * table.size, table.has_dead_ends());
+    mending.lead_on(&loose, LEAD_ON * table.size, table.has_dead_ends(), tiles as f64 * table.length);
     cancel.check()?;
     let is_loose = |v: &&VertexIx| graph.degree(**v) == 1;
     let mismatched_seams = loose.iter().filter(is_loose).count();

@@ -49,6 +49,8 @@ pub struct TileTable {
     pub names: Vec<Arc<str>>,
     /// What each window holds, against the others.
     figures: Vec<Figures>,
+    /// Length of streets in a tile, in metres: the mean over the land of the maps.
+    pub length: f64,
     /// Share of dead ends among junctions and dead ends.
     dead_ends: f32,
     /// The streets of each window.
@@ -73,16 +75,20 @@ fn square_of(place: DVec2) -> (i64, i64) {
     (square.x, square.y)
 }
 
-/// What windows hold, against each other, and the share of dead ends among their junctions and dead ends.
-fn figures(patches: &[Arc<Patch>], windows: &[Window]) -> (Vec<Figures>, f32) {
+/// What windows hold, against each other, the mean length of their streets in metres, and the share of dead ends among their junctions
+/// and dead ends.
+fn figures(patches: &[Arc<Patch>], windows: &[Window]) -> (Vec<Figures>, f64, f32) {
     let figures = |(patch, window): (&Arc<Patch>, &Window)| {
         let Some(of) = &patch.window else { return Figures::default() };
         Figures::of(&window.cut(0, DVec2::ZERO), &of.buildings, of.size / 2.0)
     };
     let mut out: Vec<Figures> = patches.iter().zip(windows).map(figures).collect();
     let (junctions, ends) = out.iter().map(Figures::ends).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    Figures::compare(&mut out, &weights(windows));
-    (out, ends / (junctions + ends).max(1.0))
+    let weights = weights(windows);
+    let length: f32 = out.iter().zip(&weights).map(|(of, weight)| of.length() * weight).sum();
+    Figures::compare(&mut out, &weights);
+    let whole = weights.iter().sum::<f32>().max(f32::MIN_POSITIVE);
+    (out, f64::from(length / whole), ends / (junctions + ends).max(1.0))
 }
 
 /// What windows count for, so that all land of their maps counts the same: land at the border of a map is in few windows.
@@ -119,13 +125,14 @@ impl TileTable {
             let (x, y) = square_of(window.place);
             by_place.entry((window.map, x, y)).or_default().push(patch as u32);
         }
-        let (figures, dead_ends) = figures(&patches, &windows);
+        let (figures, length, dead_ends) = figures(&patches, &windows);
         let mut table = Self {
             tile_of: vec![[None; 4]; patches.len()],
             by_place,
             by_counts: vec![Vec::new(); (COUNTS + 1) * (COUNTS + 1)],
             tiles: Vec::new(),
             crossings: Vec::new(),
+            length,
             dead_ends,
             figures,
             patches,

@@ -85,6 +85,7 @@ impl Window {
         for &(v, w, class) in &self.edges {
             let (a, b) = (at(v), at(w));
             let Some((from, to)) = bounds.clip_segment(a, b) else { continue };
+            let way = (b - a).normalize_or_zero();
             let mut end = |v: u32, is_whole: bool, at: DVec2| {
                 let is_new = !is_whole || numbers[v as usize] == u32::MAX;
                 if is_new {
@@ -93,7 +94,12 @@ impl Window {
                     // A street that ends on a side leads on as well.
                     let leads_on = !is_whole || self.degrees[v as usize] == 1;
                     if let Some(side) = self.side_at(at).filter(|_| leads_on) {
-                        let crossing = Crossing { at: at[1 - side.axis()] as f32, width: class.carriageway() as f32 };
+                        let along = if way[side.axis()] < 0.0 { -way } else { way };
+                        let crossing = Crossing {
+                            at: at[1 - side.axis()] as f32,
+                            width: class.carriageway() as f32,
+                            slant: along[1 - side.axis()] as f32,
+                        };
                         out.sides[side as usize].push((crossing, point));
                     }
                     if !is_whole {
