@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 
 /// Places nearer than this to the end of a street are that end, in metres.
 const AT_END: f64 = 10.0;
+/// Places nearer than this to each other are one, in metres.
+const SAME: f64 = 0.01;
 /// Least angle between a street that is added and those that it meets, in radians.
 const LEAST_ANGLE: f64 = 0.6;
 /// Distances within which floating streets look for others, in metres, the next one where there is none.
@@ -59,18 +61,32 @@ impl<'g> Mending<'g> {
             }
             let (a, b) = self.graph.segment(e);
             let edge = self.graph.edge(e).clone();
-            let crossed = self.buckets.near(self.graph, Bounds::of([a, b])).into_iter().find_map(|f| {
+            let near = self.buckets.near(self.graph, Bounds::of([a, b]));
+            let Some((f, at)) = near.into_iter().find_map(|f| {
                 let other = self.graph.edge(f);
                 let meets = [other.a, other.b].iter().any(|v| *v == edge.a || *v == edge.b);
                 let (c, d) = self.graph.segment(f);
                 let crossing = if f == e || meets { None } else { segment_crossing(a, b, c, d) };
-                crossing.map(|crossing| (f, crossing.at))
-            });
-            if let Some((f, at)) = crossed {
-                let v = self.split(f, at);
+                let at = crossing?.at;
+                // Two ends at one place cross nowhere, and would be divided there for ever.
+                (self.end_at(e, at).is_none() || self.end_at(f, at).is_none()).then_some((f, at))
+            }) else {
+                continue;
+            };
+            if let Some(v) = self.end_at(e, at) {
+                self.lead_through(f, v);
+                edges.push(e);
+            } else {
+                let v = self.end_at(f, at).unwrap_or_else(|| self.split(f, at));
                 edges.extend(self.lead_through(e, v));
             }
         }
+    }
+
+    /// The end of an edge that lies at a place.
+    fn end_at(&self, e: EdgeIx, at: DVec2) -> Option<VertexIx> {
+        let edge = self.graph.edge(e);
+        [edge.a, edge.b].into_iter().find(|v| self.graph.at(*v).distance(at) < SAME)
     }
 
     /// Leads streets on that end at the side of a tile, or takes them back to where they came from. `reach` is the length in metres of
@@ -111,6 +127,10 @@ impl<'g> Mending<'g> {
                     self.take_back(v);
                 }
             }
+        }
+        // A street that was led on to may be taken back itself, and what is led on to nothing new stays as it was.
+        for &v in loose {
+            self.take_back(v);
         }
     }
 
@@ -332,6 +352,37 @@ impl<'g> Mending<'g> {
         while let [edge] = *self.graph.edges_at(at) {
             at = self.graph.edge(edge).other(at);
             self.graph.remove_edge(edge);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streets_that_end_on_others_are_untangled_in_the_end() {
+        let of = Of { class: StreetClass::Local, patch: None };
+        let mut graph = PlanarGraph::without_index();
+        let mut street = |points: [(f64, f64); 2]| {
+            let [a, b] = points.map(|p| graph.add_vertex(p.into()));
+            graph.add_edge(a, b, of);
+            (a, b)
+        };
+        // Two streets from one place on a third, with an end each, and one through them all.
+        let (a, _) = street([(50.0, 0.0), (50.0, 80.0)]);
+        let (b, _) = street([(50.0, 0.0), (80.0, 80.0)]);
+        let (c, d) = street([(0.0, 0.0), (100.0, 0.0)]);
+        street([(0.0, 40.0), (100.0, 40.0)]);
+        let mut mending = Mending::new(&mut graph);
+        mending.untangle(&[a, b, c, d]);
+        let edges: Vec<EdgeIx> = graph.edges().map(|(e, _)| e).collect();
+        for (i, e) in edges.iter().enumerate() {
+            for f in &edges[..i] {
+                let ((a, b), (c, d)) = (graph.segment(*e), graph.segment(*f));
+                let apart = [a, b].iter().all(|p| *p != c && *p != d);
+                assert!(!apart || segment_crossing(a, b, c, d).is_none(), "{a} {b} and {c} {d}");
+            }
         }
     }
 }
