@@ -1,7 +1,7 @@
 //! What things stand on and run into.
 
 use crate::mesh::part::{ChunkMesh, ChunkPart};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// The triangles that things in a chunk stand on and run into: ground, streets with kerbs, bridges, and buildings. For the colliders
 /// of physics engines.
@@ -25,7 +25,7 @@ impl ChunkMesh {
     /// chunks beside it.
     pub fn collision(&self) -> CollisionMesh {
         let mut out = CollisionMesh::default();
-        let mut known: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut known: BTreeMap<[u32; 3], u32> = BTreeMap::new();
         for (_, buffers) in self.parts().filter(|(part, _)| part.is_solid()) {
             let vertex = |position: &[f32; 3]| {
                 *known.entry(position.map(f32::to_bits)).or_insert_with(|| {

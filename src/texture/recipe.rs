@@ -1,6 +1,6 @@
 //! How each texture is made, point by point.
 
-use super::Texture;
+use super::kind::Texture;
 use super::noise::{cell, layered, random, smooth};
 use crate::space::math;
 use glam::{IVec2, Vec2};
