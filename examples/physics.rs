@@ -11,7 +11,7 @@ const BALLS: u32 = 200;
 const RADIUS: f32 = 0.3;
 const APART: f32 = 3.0;
 
-/// How far below the ground a ball may be before it has fallen through, in metres: triangles of buildings reach below it.
+/// How far below the ground the middle of a ball lies, in metres, when it has fallen through.
 const BELOW: f32 = 0.5;
 
 /// Frames that a headless run lasts once the balls are there, 60 for each second of the balls' time.

@@ -1,6 +1,6 @@
 //! The material of chunks: Bevy's standard material with textures that the program makes when the app starts.
 
-use crate::texture::{Texture, halved};
+use crate::texture::{Pixel, Texture, halved};
 use bevy::asset::{RenderAssetUsages, embedded_asset};
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::pbr::{ExtendedMaterial, MaterialExtension};
@@ -10,6 +10,7 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::RenderAdapterInfo;
 use bevy::shader::ShaderRef;
+use bevy::tasks::futures_lite::future::yield_now;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 
 /// The material of a part of a chunk. Its `base` is Bevy's, and its `extension` holds the textures. Colours come from the vertices.
@@ -90,17 +91,28 @@ impl Plugin for SprawlMaterialPlugin {
         app.add_plugins(MaterialPlugin::<SprawlMaterial>::default())
             .add_systems(Update, give_textures.run_if(resource_exists::<Making>));
         let Some(mut images) = app.world_mut().get_resource_mut::<Assets<Image>>() else { return };
-        let plain = images.add(image(1, |_| vec![[128; 4]]));
-        let making = AsyncComputeTaskPool::get().spawn(async { image(PIXELS, |texture| texture.make(PIXELS)) });
+        let plain = images.add(image(1, Texture::ALL.map(|_| vec![[128; 4]]).to_vec()));
+        let making = AsyncComputeTaskPool::get().spawn(textures());
         app.insert_resource(SprawlTextures(plain)).insert_resource(Making(making));
     }
 }
 
-/// An image of all textures, each `pixels` a side, with all smaller pictures of them.
-fn image(pixels: usize, make: impl Fn(Texture) -> Vec<[u8; 4]>) -> Image {
-    let mut data = Vec::with_capacity(Texture::ALL.len() * pixels * pixels * 16 / 3 + 4);
+/// Makes the textures. The first chunks are not kept waiting: after each texture it is their turn.
+async fn textures() -> Image {
+    let mut squares = Vec::new();
     for texture in Texture::ALL {
-        let (mut square, mut edge) = (make(texture), pixels);
+        squares.push(texture.make(PIXELS));
+        yield_now().await;
+    }
+    image(PIXELS, squares)
+}
+
+/// An image with a layer for each of `squares`, each `pixels` a side, with all smaller pictures of them.
+fn image(pixels: usize, squares: Vec<Vec<Pixel>>) -> Image {
+    let (size, layers) = (pixels as u32, squares.len() as u32);
+    let mut data = Vec::with_capacity(squares.len() * (pixels * pixels * 16 / 3 + 4));
+    for mut square in squares {
+        let mut edge = pixels;
         loop {
             data.extend_from_slice(square.as_flattened());
             if edge == 1 {
@@ -109,7 +121,6 @@ fn image(pixels: usize, make: impl Fn(Texture) -> Vec<[u8; 4]>) -> Image {
             (square, edge) = (halved(&square, edge), edge / 2);
         }
     }
-    let (size, layers) = (pixels as u32, Texture::ALL.len() as u32);
     let extent = Extent3d { width: size, height: size, depth_or_array_layers: layers };
     let mut image =
         Image::new_uninit(extent, TextureDimension::D2, TextureFormat::Rgba8Unorm, RenderAssetUsages::RENDER_WORLD);
@@ -150,5 +161,21 @@ fn give_textures(
     if images.insert(&textures.0, image).is_ok() {
         // A material takes up an image anew only when it changes itself, and all that this goes through count as changed.
         materials.iter_mut().for_each(drop);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shader_numbers_the_textures_as_the_list_does() {
+        let shader = include_str!("material.wgsl");
+        let says = |constant: String| assert!(shader.contains(&constant), "{constant}");
+        says(format!("const LITTER: f32 = {}.0;", Texture::Litter as u8));
+        for (name, texture) in [("ROCK", Texture::Rock), ("TILES", Texture::Tiles), ("MEADOW", Texture::Meadow)] {
+            says(format!("const {name}: u32 = {}u;", texture as u8));
+        }
+        says(format!("array<vec4<f32>, {}>", Texture::ALL.len().div_ceil(4)));
     }
 }
